@@ -1,0 +1,50 @@
+// What lets the headers of this folder be C++ (through GLM) and GLSL 4.50 alike. Rules for them:
+// float literals carry an f, no references but INOUT(type), no recursion.
+#pragma once
+
+#ifdef __cplusplus
+#include <glm/glm.hpp>
+#include <glm/packing.hpp>
+#define SHARED inline
+#define INOUT(type) type&
+#define SHARED_BEGIN namespace occlab {
+#define SHARED_END }
+
+namespace occlab {
+using glm::abs;
+using glm::acos;
+using glm::asin;
+using glm::atan;
+using glm::clamp;
+using glm::cos;
+using glm::cross;
+using glm::dot;
+using glm::floor;
+using glm::fract;
+using glm::length;
+using glm::mat3;
+using glm::max;
+using glm::min;
+using glm::mix;
+using glm::normalize;
+using glm::packHalf2x16;
+using glm::pow;
+using glm::sin;
+using glm::smoothstep;
+using glm::sqrt;
+using glm::unpackHalf2x16;
+using glm::uvec4;
+using glm::vec2;
+using glm::vec3;
+using glm::vec4;
+}  // namespace occlab
+#else
+#define SHARED
+#define INOUT(type) inout type
+#define SHARED_BEGIN
+#define SHARED_END
+#endif
+
+SHARED_BEGIN
+const float pi = 3.14159265358979f;
+SHARED_END
