@@ -1,0 +1,20 @@
+// The geometry-aware bilateral filter [S3HO sec. 3]: two weights, surface distance and orientation.
+#pragma once
+#include "renderers/shared/glsl.h"
+
+SHARED_BEGIN
+
+// A true 8x8 window: an 8-box removes the 4x4 interleaved pattern exactly, a 7-box does not.
+const int filter_first = -4;
+const int filter_last = 3;
+
+// ((n.n')/2 + 1/2)^power / (1 + |p-p'| / scale)^2 with scale = d_max [weights of Klehm et al. 2011,
+// who have power 5 and scale 1 scene unit; dividing by d_max makes them independent of units].
+SHARED float bilateral_weight(vec3 p, vec3 n, vec3 p_neighbour, vec3 n_neighbour, float power,
+                              float scale) {
+  const float orientation = pow(max(0.5f * dot(n, n_neighbour) + 0.5f, 0.0f), power);
+  const float distance_weight = 1.0f / (1.0f + length(p - p_neighbour) / scale);
+  return orientation * distance_weight * distance_weight;
+}
+
+SHARED_END

@@ -1,0 +1,17 @@
+// The tangent frame of a normal.
+#pragma once
+#include "renderers/shared/glsl.h"
+
+SHARED_BEGIN
+
+// Orthonormal, right-handed, columns (tangent, bitangent, n) for unit n; continuous but for the
+// plane n.z = 0 [Duff et al. 2017, "Building an Orthonormal Basis, Revisited"].
+SHARED mat3 tangent_frame(vec3 n) {
+  const float sign_z = n.z >= 0.0f ? 1.0f : -1.0f;
+  const float a = -1.0f / (sign_z + n.z);
+  const float b = n.x * n.y * a;
+  return mat3(vec3(1.0f + sign_z * n.x * n.x * a, sign_z * b, -sign_z * n.x),
+              vec3(b, sign_z + n.y * n.y * a, -n.y), n);
+}
+
+SHARED_END
