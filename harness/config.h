@@ -1,0 +1,125 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "renderers/methods/method.h"
+#include "renderers/scene/environment.h"
+
+namespace occlab {
+
+// The experiment file; configs/FORMAT.md describes every key.
+
+/// Parameters by name, in file order.
+using NamedValues = std::vector<std::pair<std::string, ParameterValue>>;
+
+/// A parameter and the values it takes; several axes are crossed, the first varies slowest.
+struct Axis {
+  std::string parameter;
+  std::vector<ParameterValue> values;  ///< not empty, all different
+};
+
+struct SceneSettings {
+  std::string source;  ///< a scene's name, or the path of a .glb or .gltf (absolute)
+  bool source_is_path = false;
+  std::string view;  ///< a camera's name; empty: the first
+  int width = 1280;  ///< pixels
+  int height = 720;
+};
+
+struct ReferenceSettings {
+  std::string method;
+  NamedValues parameters;
+};
+
+struct RunSettings {
+  std::vector<std::string> methods;
+  std::vector<Axis> axes;
+  int seeds = 1;  ///< reseeded runs, `seed` = 0 .. seeds - 1
+};
+
+struct TimingSettings {
+  std::vector<std::string> methods;
+  std::vector<Axis> axes;
+  std::string baseline;  ///< one of `methods`
+  int repetitions = 7;   ///< at least
+  double budget_seconds = 60.0;
+  std::string published;  ///< results/published/NAME.csv; empty: none
+};
+
+enum class FigureKind { comparison, closeups, error_map };
+
+struct Rectangle {
+  int x = 0;  ///< pixels, from the left
+  int y = 0;  ///< pixels, from the top
+  int width = 0;
+  int height = 0;
+};
+
+struct CloseupRow {
+  std::string label;
+  Rectangle rectangle;  ///< inside the frame
+  NamedValues select;
+};
+
+struct FigureSettings {
+  std::string name;  ///< the file's name
+  FigureKind kind = FigureKind::comparison;
+  std::string title;
+  std::string stage = "filtered";  ///< or "unfiltered"
+  std::vector<std::string> methods;
+  NamedValues select;            ///< comparison, error_map: picks one cell of each method
+  std::vector<CloseupRow> rows;  ///< closeups
+  double scale = 0.0;            ///< error_map: the error shown as the end of the colour scale
+};
+
+struct Experiment {
+  std::filesystem::path file;
+  std::string resolved;  ///< the file as TOML after the overrides, for run.json
+  std::string name;
+  std::string title;
+  SceneSettings scene;
+  std::optional<ProbeSettings> probe;  ///< none: the scene's own environment
+  NamedValues parameters;              ///< for every method that declares them
+  std::optional<ReferenceSettings> reference;
+  std::vector<RunSettings> runs;
+  std::optional<TimingSettings> timing;
+  std::vector<FigureSettings> figures;
+};
+
+/// Reads and validates an experiment file. `overrides` are the texts of --set KEY=VALUE, applied
+/// before validation. Throws InputError "FILE:LINE: key 'run[1].sampels': unknown; did you mean
+/// ..."; what an override brought in is reported as "--set KEY=VALUE" instead of FILE:LINE.
+Experiment load_experiment(const std::filesystem::path& path,
+                           const std::vector<std::string>& overrides,
+                           const std::vector<MethodInfo>& methods);
+
+enum class Role { reference, test };
+
+struct PlannedCell {
+  Role role = Role::test;
+  std::string method;
+  ParameterSet parameters;  ///< refers to the declarations in `methods`
+  int group = 0;            ///< the same for cells that differ in their seed only; 0, 1, ...
+};
+
+/// The cells to render, the reference first, then run by run: methods, axes, seeds (fastest).
+/// `methods` outlives the result.
+std::vector<PlannedCell> plan(const Experiment& experiment, const std::vector<MethodInfo>& methods);
+
+/// The variants to time: for each point of the axes (first axis slowest) every method; the cells of
+/// one point share a group, so that the baseline of a group is its denominator. Empty without
+/// [timing].
+std::vector<PlannedCell> plan_timing(const Experiment& experiment,
+                                     const std::vector<MethodInfo>& methods);
+
+/// The group of `method` with the selected values; values of parameters that the method does not
+/// declare do not matter. load_experiment has made sure that each figure selects exactly one group
+/// of each of its methods. Throws InputError otherwise.
+int select_group(const std::vector<PlannedCell>& cells, const std::string& method,
+                 const NamedValues& select);
+
+}  // namespace occlab

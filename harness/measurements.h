@@ -1,0 +1,60 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace occlab {
+
+/// One measured number: a row of measurements.csv.
+///
+/// Names that the tables know: metric `noise` and `bias`; `time_ms.PASS` (value: the median, lower
+/// and upper: the quartiles) and `time_ratio.PASS` (median of the pairwise ratios to the baseline,
+/// 95% bootstrap interval); `METRIC_ratio.A/B` (METRIC of method A over that of method B, as an
+/// ordering). Every other metric is an accuracy. Elsewhere lower and upper bound a 95% interval.
+struct Measurement {
+  std::string experiment;
+  std::string scene;
+  std::string view;
+  std::string resolution;  ///< "1280x720"
+  std::string probe;       ///< with its settings, as the tables print it
+  std::string method;
+  /// Name and value, declared order, without `seed`; values are not empty. Lines that share
+  /// parameters list them in a consistent order.
+  std::vector<std::pair<std::string, std::string>> parameters;
+  std::string seed;   ///< a number, or "all" for statistics over the seeds
+  std::string stage;  ///< "unfiltered", "filtered" or "" where it does not apply
+  std::string metric;
+  std::string unit;             ///< "" if it has none
+  std::optional<double> value;  ///< not NaN; none: `reason` says why
+  std::optional<double> lower;  ///< lower and upper come together
+  std::optional<double> upper;
+  long n = 0;                      ///< how many seeds, pixels or repetitions are behind the value
+  std::string device;              ///< "llvmpipe (software)"; times of two are never compared
+  std::string clock;               ///< times: the clock that was used
+  std::vector<std::string> cells;  ///< ids of the cells it was measured on
+  std::string reference_cell;      ///< id, or ""
+  std::string reason;              ///< why there is no value
+
+  bool operator==(const Measurement&) const = default;
+};
+
+/// The value of a parameter, nullptr if the measurement does not have it.
+const std::string* find_parameter(const Measurement& measurement, std::string_view name);
+
+/// RFC 4180, one column per field, one `parameter.NAME` column for each parameter that any row has;
+/// numbers are the shortest text that reads back exactly, a missing number is empty. Throws
+/// InputError where a row breaks the rules above.
+std::string measurements_to_csv(const std::vector<Measurement>& measurements);
+/// Throws InputError "NAME:LINE: ..." for anything measurements_to_csv would not have written.
+std::vector<Measurement> measurements_from_csv(std::string_view text, const std::string& name);
+
+/// Throws DeviceError with the path and the system's reason; complete or as it was.
+void write_measurements(const std::filesystem::path& path,
+                        const std::vector<Measurement>& measurements);
+std::vector<Measurement> read_measurements(const std::filesystem::path& path);
+
+}  // namespace occlab
