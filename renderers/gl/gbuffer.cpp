@@ -1,0 +1,127 @@
+#include "renderers/gl/gbuffer.h"
+
+#include <array>
+
+#include "renderers/gl/context.h"
+
+namespace occlab {
+namespace {
+
+struct Vertex {
+  glm::vec3 position;
+  glm::vec3 normal;
+  glm::vec2 uv;
+};
+
+constexpr std::array<GLint, 3> attribute_sizes = {3, 3, 2};
+constexpr std::array<std::size_t, 3> attribute_offsets = {
+    offsetof(Vertex, position), offsetof(Vertex, normal), offsetof(Vertex, uv)};
+
+GpuScene::Draw upload(const Mesh& mesh) {
+  std::vector<Vertex> vertices(mesh.positions.size());
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    vertices[i] = {mesh.positions[i], mesh.normals[i],
+                   mesh.uvs.empty() ? glm::vec2(0.0f) : mesh.uvs[i]};
+  }
+  GpuScene::Draw draw;
+  draw.vertices = Buffer(vertices.data(), vertices.size() * sizeof(Vertex));
+  draw.indices = Buffer(mesh.indices.data(), mesh.indices.size() * sizeof(std::uint32_t));
+  draw.index_count = GLsizei(mesh.indices.size());
+  GLuint id = 0;
+  glCreateVertexArrays(1, &id);
+  draw.vertex_array = GlObject<delete_vertex_array>(id);
+  glVertexArrayVertexBuffer(id, 0, draw.vertices.id(), 0, sizeof(Vertex));
+  glVertexArrayElementBuffer(id, draw.indices.id());
+  for (GLuint attribute = 0; attribute < attribute_sizes.size(); ++attribute) {
+    glEnableVertexArrayAttrib(id, attribute);
+    glVertexArrayAttribFormat(id, attribute, attribute_sizes[attribute], GL_FLOAT, GL_FALSE,
+                              GLuint(attribute_offsets[attribute]));
+    glVertexArrayAttribBinding(id, attribute, 0);
+  }
+  check_gl("uploading a mesh");
+  return draw;
+}
+
+/// Perspective with the image's top row at texel row 0 (clip y points down).
+glm::mat4 clip_from_view(const View& view) {
+  const float near = view.camera.znear;
+  const float far = view.camera.zfar;
+  const float focal = view.focal_pixels();
+  glm::mat4 clip(0.0f);
+  clip[0][0] = 2.0f * focal / float(view.width);
+  clip[1][1] = -2.0f * focal / float(view.height);
+  clip[2][2] = -(far + near) / (far - near);
+  clip[2][3] = -1.0f;
+  clip[3][2] = -2.0f * far * near / (far - near);
+  return clip;
+}
+
+Image rgb_of(const Image& rgba) {
+  Image rgb(rgba.width(), rgba.height(), 3);
+  for (std::size_t p = 0; p < rgba.pixel_count(); ++p) {
+    for (std::size_t c = 0; c < 3; ++c) rgb.values()[p * 3 + c] = rgba.values()[p * 4 + c];
+  }
+  return rgb;
+}
+
+}  // namespace
+
+void delete_vertex_array(GLuint id) { glDeleteVertexArrays(1, &id); }
+
+GpuScene::GpuScene(const Scene& scene) {
+  for (const Mesh& mesh : scene.meshes) draws_.push_back(upload(mesh));
+  for (const Image& texture : scene.textures) {
+    textures_.push_back(Texture::from_repeating_image(texture));
+  }
+}
+
+GBuffer render_gbuffer(const Scene& scene, const GpuScene& gpu_scene, const View& view,
+                       GBufferBits bits, ProgramCache& programs) {
+  const GLenum geometry = bits == GBufferBits::float32 ? GL_RGBA32F : GL_RGBA16F;
+  const std::array<GLenum, 4> formats = {geometry, geometry, GL_RGBA32F, GL_RGBA32F};
+  GBuffer gbuffer{Framebuffer(view.width, view.height, formats, true)};
+  const Program& program =
+      programs.get("renderers/gl/gbuffer.vert", "renderers/gl/gbuffer.frag", "");
+  gbuffer.targets.bind();
+  program.use();
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_LESS);
+  glDepthMask(GL_TRUE);
+  glDisable(GL_BLEND);
+  glDisable(GL_CULL_FACE);
+  glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
+  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+
+  const glm::mat4 view_from_world = view.view_from_world();
+  program.set("clip_from_view", clip_from_view(view));
+  for (const Instance& instance : scene.instances) {
+    const Mesh& mesh = scene.meshes[std::size_t(instance.mesh)];
+    const Material& material = scene.materials[std::size_t(mesh.material)];
+    const GpuScene::Draw& draw = gpu_scene.draws()[std::size_t(instance.mesh)];
+    const glm::mat4 view_from_object = view_from_world * instance.world_from_object;
+    program.set("view_from_object", view_from_object);
+    program.set("normal_from_object", glm::transpose(glm::inverse(glm::mat3(view_from_object))));
+    program.set("material_albedo", material.albedo);
+    program.set("textured", material.albedo_texture ? 1 : 0);
+    if (material.albedo_texture) {
+      Program::bind_texture(0, gpu_scene.textures()[std::size_t(*material.albedo_texture)]);
+    }
+    glBindVertexArray(draw.vertex_array.id());
+    glDrawElements(GL_TRIANGLES, draw.index_count, GL_UNSIGNED_INT, nullptr);
+  }
+  check_gl("the G-buffer pass");
+  return gbuffer;
+}
+
+GBufferImages download(const GBuffer& gbuffer) {
+  const Image position = gbuffer.position_view().download();
+  Image mask(position.width(), position.height(), 1);
+  for (std::size_t p = 0; p < mask.pixel_count(); ++p) {
+    mask.values()[p] = position.values()[p * 4 + 3];
+  }
+  return {rgb_of(position), rgb_of(gbuffer.normal_view().download()),
+          rgb_of(gbuffer.geometric_normal_view().download()), rgb_of(gbuffer.albedo().download()),
+          std::move(mask)};
+}
+
+}  // namespace occlab

@@ -1,0 +1,109 @@
+#include "renderers/gl/program.h"
+
+#include <fmt/format.h>
+
+#include <glm/gtc/type_ptr.hpp>
+
+#include "renderers/gl/context.h"
+#include "renderers/scene/error.h"
+
+namespace occlab {
+namespace {
+
+void delete_shader(GLuint id) { glDeleteShader(id); }
+using Shader = GlObject<delete_shader>;
+
+std::string shader_log(GLuint id) {
+  GLint length = 0;
+  glGetShaderiv(id, GL_INFO_LOG_LENGTH, &length);
+  std::string log(std::size_t(length) + 1, '\0');
+  glGetShaderInfoLog(id, length + 1, nullptr, log.data());
+  return log.c_str();
+}
+
+Shader compile(GLenum stage, std::string_view path, std::string_view preamble) {
+  const ShaderSource source = expand_shader(path, preamble);
+  Shader shader(glCreateShader(stage));
+  const char* text = source.text.c_str();
+  glShaderSource(shader.id(), 1, &text, nullptr);
+  glCompileShader(shader.id());
+  GLint compiled = 0;
+  glGetShaderiv(shader.id(), GL_COMPILE_STATUS, &compiled);
+  if (!compiled) {
+    throw DeviceError(fmt::format("{} does not compile:\n{}", path,
+                                  locate_messages(shader_log(shader.id()), source.files)));
+  }
+  return shader;
+}
+
+}  // namespace
+
+void delete_program(GLuint id) { glDeleteProgram(id); }
+
+Program::Program(std::string_view vertex_path, std::string_view fragment_path,
+                 std::string_view preamble)
+    : object_(glCreateProgram()) {
+  const Shader vertex = compile(GL_VERTEX_SHADER, vertex_path, preamble);
+  const Shader fragment = compile(GL_FRAGMENT_SHADER, fragment_path, preamble);
+  glAttachShader(object_.id(), vertex.id());
+  glAttachShader(object_.id(), fragment.id());
+  glLinkProgram(object_.id());
+  GLint linked = 0;
+  glGetProgramiv(object_.id(), GL_LINK_STATUS, &linked);
+  if (!linked) {
+    std::string log(4096, '\0');
+    glGetProgramInfoLog(object_.id(), GLsizei(log.size()), nullptr, log.data());
+    throw DeviceError(
+        fmt::format("{} with {} does not link:\n{}", vertex_path, fragment_path, log.c_str()));
+  }
+}
+
+GLint Program::location(const char* name) const { return glGetUniformLocation(object_.id(), name); }
+
+void Program::set(const char* name, float value) const {
+  glProgramUniform1f(object_.id(), location(name), value);
+}
+void Program::set(const char* name, int value) const {
+  glProgramUniform1i(object_.id(), location(name), value);
+}
+void Program::set(const char* name, glm::vec2 value) const {
+  glProgramUniform2fv(object_.id(), location(name), 1, glm::value_ptr(value));
+}
+void Program::set(const char* name, glm::vec3 value) const {
+  glProgramUniform3fv(object_.id(), location(name), 1, glm::value_ptr(value));
+}
+void Program::set(const char* name, const glm::mat3& value) const {
+  glProgramUniformMatrix3fv(object_.id(), location(name), 1, GL_FALSE, glm::value_ptr(value));
+}
+void Program::set(const char* name, const glm::mat4& value) const {
+  glProgramUniformMatrix4fv(object_.id(), location(name), 1, GL_FALSE, glm::value_ptr(value));
+}
+
+void Program::bind_texture(GLuint unit, const Texture& texture) {
+  glBindTextureUnit(unit, texture.id());
+}
+
+void Program::bind_uniform_buffer(GLuint binding, const Buffer& buffer) {
+  glBindBufferBase(GL_UNIFORM_BUFFER, binding, buffer.id());
+}
+
+const Program& ProgramCache::get(std::string_view vertex_path, std::string_view fragment_path,
+                                 const std::string& preamble) {
+  const std::string key = fmt::format("{}\n{}\n{}", vertex_path, fragment_path, preamble);
+  const auto found = programs_.find(key);
+  if (found != programs_.end()) return found->second;
+  return programs_.emplace(key, Program(vertex_path, fragment_path, preamble)).first->second;
+}
+
+void draw_fullscreen() {
+  // Core profile wants a vertex array even for a triangle that has no attributes.
+  GLuint vertex_array = 0;
+  glCreateVertexArrays(1, &vertex_array);
+  glBindVertexArray(vertex_array);
+  glDisable(GL_DEPTH_TEST);
+  glDisable(GL_BLEND);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glDeleteVertexArrays(1, &vertex_array);
+}
+
+}  // namespace occlab

@@ -1,0 +1,147 @@
+#include "renderers/gl/texture.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+
+#include "renderers/gl/context.h"
+#include "renderers/scene/error.h"
+
+namespace occlab {
+namespace {
+
+GLuint create_texture(GLenum target, GLint filter, GLint wrap_u) {
+  GLuint id = 0;
+  glCreateTextures(target, 1, &id);
+  glTextureParameteri(id, GL_TEXTURE_MIN_FILTER, filter);
+  glTextureParameteri(id, GL_TEXTURE_MAG_FILTER, filter);
+  glTextureParameteri(id, GL_TEXTURE_WRAP_S, wrap_u);
+  glTextureParameteri(id, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  return id;
+}
+
+std::vector<float> rgba(const Image& image) {
+  std::vector<float> values;
+  values.reserve(image.pixel_count() * 4);
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) {
+      for (int c = 0; c < 4; ++c) {
+        values.push_back(c < image.channels() ? image.at(x, y, c) : (c == 3 ? 1.0f : 0.0f));
+      }
+    }
+  }
+  return values;
+}
+
+}  // namespace
+
+void delete_texture(GLuint id) { glDeleteTextures(1, &id); }
+void delete_framebuffer(GLuint id) { glDeleteFramebuffers(1, &id); }
+void delete_buffer(GLuint id) { glDeleteBuffers(1, &id); }
+
+Texture::Texture(int width, int height, GLenum internal_format)
+    : object_(create_texture(GL_TEXTURE_2D, GL_NEAREST, GL_CLAMP_TO_EDGE)),
+      width_(width),
+      height_(height),
+      format_(internal_format) {
+  glTextureStorage2D(id(), 1, internal_format, width, height);
+  check_gl("allocating a texture");
+}
+
+Texture Texture::from_image(const Image& image) {
+  Texture texture(image.width(), image.height(), GL_RGBA32F);
+  glTextureSubImage2D(texture.id(), 0, 0, 0, image.width(), image.height(), GL_RGBA, GL_FLOAT,
+                      rgba(image).data());
+  check_gl("uploading a texture");
+  return texture;
+}
+
+Texture Texture::from_repeating_image(const Image& image) {
+  Texture texture;
+  texture.object_ = GlObject<delete_texture>(create_texture(GL_TEXTURE_2D, GL_LINEAR, GL_REPEAT));
+  texture.width_ = image.width();
+  texture.height_ = image.height();
+  texture.format_ = GL_RGBA32F;
+  const auto levels = std::bit_width(unsigned(std::max(image.width(), image.height())));
+  glTextureParameteri(texture.id(), GL_TEXTURE_WRAP_T, GL_REPEAT);
+  glTextureParameteri(texture.id(), GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+  glTextureStorage2D(texture.id(), GLsizei(levels), GL_RGBA32F, image.width(), image.height());
+  glTextureSubImage2D(texture.id(), 0, 0, 0, image.width(), image.height(), GL_RGBA, GL_FLOAT,
+                      rgba(image).data());
+  glGenerateTextureMipmap(texture.id());
+  check_gl("uploading a surface texture");
+  return texture;
+}
+
+Texture Texture::from_equirect_levels(std::span<const Image> levels) {
+  const Image& first = levels.front();
+  Texture texture;
+  texture.object_ =
+      GlObject<delete_texture>(create_texture(GL_TEXTURE_2D_ARRAY, GL_LINEAR, GL_REPEAT));
+  texture.width_ = first.width();
+  texture.height_ = first.height();
+  texture.format_ = GL_RGBA32F;
+  glTextureStorage3D(texture.id(), 1, GL_RGBA32F, first.width(), first.height(),
+                     GLsizei(levels.size()));
+  for (std::size_t level = 0; level < levels.size(); ++level) {
+    assert(levels[level].same_size(first));
+    glTextureSubImage3D(texture.id(), 0, 0, 0, GLint(level), first.width(), first.height(), 1,
+                        GL_RGBA, GL_FLOAT, rgba(levels[level]).data());
+  }
+  check_gl("uploading a texture array");
+  return texture;
+}
+
+Image Texture::download() const {
+  Image image(width_, height_, 4);
+  glGetTextureImage(id(), 0, GL_RGBA, GL_FLOAT, GLsizei(image.values().size_bytes()),
+                    image.values().data());
+  check_gl("reading a texture back");
+  return image;
+}
+
+std::vector<std::uint32_t> Texture::download_integers() const {
+  std::vector<std::uint32_t> values(std::size_t(width_) * std::size_t(height_) * 4);
+  glGetTextureImage(id(), 0, GL_RGBA_INTEGER, GL_UNSIGNED_INT,
+                    GLsizei(values.size() * sizeof(std::uint32_t)), values.data());
+  check_gl("reading an integer texture back");
+  return values;
+}
+
+Framebuffer::Framebuffer(int width, int height, std::span<const GLenum> color_formats, bool depth) {
+  GLuint id = 0;
+  glCreateFramebuffers(1, &id);
+  object_ = GlObject<delete_framebuffer>(id);
+  std::vector<GLenum> attachments;
+  for (const GLenum format : color_formats) {
+    colors_.emplace_back(width, height, format);
+    attachments.push_back(GL_COLOR_ATTACHMENT0 + GLenum(attachments.size()));
+    glNamedFramebufferTexture(id, attachments.back(), colors_.back().id(), 0);
+  }
+  if (depth) {
+    depth_ = Texture(width, height, GL_DEPTH_COMPONENT32F);
+    glNamedFramebufferTexture(id, GL_DEPTH_ATTACHMENT, depth_.id(), 0);
+  }
+  glNamedFramebufferDrawBuffers(id, GLsizei(attachments.size()), attachments.data());
+  const GLenum status = glCheckNamedFramebufferStatus(id, GL_FRAMEBUFFER);
+  if (status != GL_FRAMEBUFFER_COMPLETE) {
+    throw DeviceError(
+        fmt::format("OpenGL refuses a {}x{} framebuffer: status 0x{:04x}", width, height, status));
+  }
+}
+
+void Framebuffer::bind() const {
+  glBindFramebuffer(GL_FRAMEBUFFER, object_.id());
+  glViewport(0, 0, colors_.front().width(), colors_.front().height());
+}
+
+Buffer::Buffer(const void* data, std::size_t bytes) {
+  GLuint id = 0;
+  glCreateBuffers(1, &id);
+  object_ = GlObject<delete_buffer>(id);
+  glNamedBufferStorage(id, GLsizeiptr(bytes), data, 0);
+  check_gl("filling a buffer");
+}
+
+}  // namespace occlab

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <epoxy/gl.h>
+
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "renderers/scene/image.h"
+
+namespace occlab {
+
+/// A number OpenGL gave us, deleted with its owner.
+template <auto Delete>
+class GlObject {
+ public:
+  GlObject() = default;
+  explicit GlObject(GLuint id) : id_(id) {}
+  ~GlObject() {
+    if (id_) Delete(id_);
+  }
+  GlObject(GlObject&& other) noexcept : id_(std::exchange(other.id_, 0)) {}
+  GlObject& operator=(GlObject&& other) noexcept {
+    std::swap(id_, other.id_);
+    return *this;
+  }
+  GLuint id() const { return id_; }
+
+ private:
+  GLuint id_ = 0;
+};
+
+void delete_texture(GLuint id);
+void delete_framebuffer(GLuint id);
+void delete_buffer(GLuint id);
+
+/// A 2-D texture or 2-D array with one level, nearest filtering and clamped edges unless stated.
+/// Texel row 0 is the image's top row throughout occlab.
+class Texture {
+ public:
+  Texture() = default;
+  Texture(int width, int height, GLenum internal_format);
+
+  /// RGBA32F from an image of 1 to 4 channels; missing channels are 0, missing alpha 1.
+  static Texture from_image(const Image& image);
+  /// The same with a full mip chain, trilinear, repeating in both directions: a surface texture.
+  static Texture from_repeating_image(const Image& image);
+  /// An RGBA32F array of equirect images of one size: linear filtering, u wraps, v clamps.
+  static Texture from_equirect_levels(std::span<const Image> levels);
+
+  GLuint id() const { return object_.id(); }
+  int width() const { return width_; }
+  int height() const { return height_; }
+  GLenum format() const { return format_; }
+
+  /// Reads a float or normalised format back as 4 channels.
+  Image download() const;
+  /// Reads an RGBA32UI texture back, 4 values a texel.
+  std::vector<std::uint32_t> download_integers() const;
+
+ private:
+  GlObject<delete_texture> object_;
+  int width_ = 0;
+  int height_ = 0;
+  GLenum format_ = 0;
+};
+
+/// Colour targets of one size, and a depth buffer if asked for.
+class Framebuffer {
+ public:
+  Framebuffer(int width, int height, std::span<const GLenum> color_formats, bool depth);
+
+  void bind() const;  ///< and sets the viewport
+  const std::vector<Texture>& colors() const { return colors_; }
+
+ private:
+  GlObject<delete_framebuffer> object_;
+  std::vector<Texture> colors_;
+  Texture depth_;
+};
+
+/// A buffer that is written once.
+class Buffer {
+ public:
+  Buffer() = default;
+  Buffer(const void* data, std::size_t bytes);
+  GLuint id() const { return object_.id(); }
+
+ private:
+  GlObject<delete_buffer> object_;
+};
+
+}  // namespace occlab
