@@ -1,0 +1,410 @@
+"""Exports the open Blender scene to a binary glTF file for occlab.
+
+    blender --background --factory-startup --python-exit-code 3 [FILE.blend] \
+        --python scenes/export.py -- OUT.glb
+
+FORMAT.md says what the file holds. Exit code 2: the scene cannot be exported rightly, each reason
+on a line of its own on stderr; nothing is written. The file appears under its name only when it is
+complete. Warnings (what was lost although the picture stays usable) go to stderr and into the file.
+"""
+
+import math
+import os
+import pathlib
+import sys
+
+import bpy
+import numpy
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+import carried  # noqa: E402
+import glb  # noqa: E402
+from carried import Refusal, rounded, source  # noqa: E402
+
+FORMAT = 1
+SURFACES = ("MESH", "CURVE", "SURFACE", "FONT")  # what Blender's exporter turns into meshes
+LOST_SURFACES = ("META", "VOLUME", "GPENCIL", "CURVES", "POINTCLOUD")
+
+
+class Findings:
+    """What is wrong with a scene, all of it, so that it takes one run to learn it."""
+
+    def __init__(self):
+        self.problems = []
+        self.warnings = []
+
+    def of(self, function, *arguments):
+        """function(*arguments), with its Refusal noted instead of raised."""
+        try:
+            return function(*arguments)
+        except Refusal as refusal:
+            self.problems.append(str(refusal))
+            return None
+
+    def stop_on_problems(self):
+        if self.problems:
+            raise Refusal("\n".join(self.problems))
+
+
+def show_as_rendered(scene):
+    """Makes the viewport's evaluation, which is what gets exported, the render's."""
+    def collections(layer):
+        yield layer
+        for child in layer.children:
+            yield from collections(child)
+
+    for layer in collections(bpy.context.view_layer.layer_collection):
+        layer.hide_viewport = False
+    for collection in bpy.data.collections:
+        collection.hide_viewport = collection.hide_render
+    scene.render.simplify_subdivision = scene.render.simplify_subdivision_render
+    for thing in bpy.data.objects:
+        thing.hide_viewport = thing.hide_render
+        if thing.name in bpy.context.view_layer.objects:
+            thing.hide_set(False)
+        thing.show_instancer_for_viewport = thing.show_instancer_for_render
+        if thing.type in ("CURVE", "SURFACE", "FONT") and thing.data.render_resolution_u:
+            thing.data.resolution_u = thing.data.render_resolution_u
+        for modifier in thing.modifiers:
+            modifier.show_viewport = modifier.show_render
+            if modifier.type in ("SUBSURF", "MULTIRES"):
+                modifier.levels = modifier.render_levels
+    bpy.context.view_layer.update()
+
+
+def rendered_objects():
+    return [thing for thing in bpy.context.view_layer.objects if thing.visible_get()]
+
+
+def name_data_after_object(things):
+    """glTF's cameras and lights carry the name of the data; occlab's users know the object's."""
+    for thing in things:
+        if thing.data.users > 1:
+            thing.data = thing.data.copy()
+    for thing in things:
+        thing.data.name = "occlab renaming"  # frees the names before they are handed out
+    for thing in things:
+        thing.data.name = thing.name
+
+
+def check_cameras(cameras, findings):
+    if not cameras:
+        findings.problems.append("no camera: add one; every camera becomes a view")
+    for thing in cameras:
+        camera = thing.data
+        if camera.type != "PERSP":
+            findings.problems.append(f"camera '{thing.name}': type {camera.type}; occlab takes "
+                                     "perspective cameras (PERSP)")
+        if camera.shift_x or camera.shift_y:
+            findings.problems.append(
+                f"camera '{thing.name}': lens shift ({camera.shift_x:g}, {camera.shift_y:g}); "
+                "glTF has none, set both to 0")
+        if camera.dof.use_dof:
+            findings.warnings.append(f"camera '{thing.name}': depth of field is not rendered")
+
+
+def take_lights(lights, findings):
+    """Prepares the lights for glTF; returns the extras' `lights`, what glTF cannot say of them."""
+    sizes = {}
+    for thing in lights:
+        light = thing.data
+        if light.type not in ("POINT", "SUN", "SPOT"):
+            findings.problems.append(
+                f"light '{thing.name}': type {light.type}; occlab takes POINT, SUN and SPOT. "
+                "Replace it, or disable it in renders")
+            continue
+        if light.use_nodes:
+            findings.of(_fold_light_nodes, thing)
+        light.use_custom_distance = False  # a cut-off that Cycles does not have
+        if light.type == "SUN" and light.angle > 0:
+            sizes[thing.name] = {"angle_degrees": rounded(math.degrees(light.angle))}
+            findings.warnings.append(f"light '{thing.name}': its angle of "
+                                     f"{math.degrees(light.angle):.3g} degrees is recorded, but "
+                                     "occlab renders it as a direction")
+        elif light.type != "SUN" and light.shadow_soft_size > 0:
+            sizes[thing.name] = {"radius": rounded(light.shadow_soft_size)}
+            findings.warnings.append(f"light '{thing.name}': its radius of "
+                                     f"{light.shadow_soft_size:.3g} m is recorded, but occlab "
+                                     "renders it as a point")
+        if light.type == "SPOT" and light.spot_blend > 0:
+            findings.warnings.append(f"light '{thing.name}': between its cone angles, glTF's "
+                                     "fall-off differs from Blender's")
+    return sizes
+
+
+def _fold_light_nodes(thing):
+    """Cycles multiplies a light's nodes with its colour and power; glTF's exporter does not."""
+    light = thing.data
+    output = light.node_tree.get_output_node("CYCLES")
+    emission, _ = source(output.inputs["Surface"]) if output else (None, None)
+    if emission is None or emission.type != "EMISSION" or any(
+            emission.inputs[name].is_linked for name in ("Color", "Strength")):
+        raise Refusal(f"light '{thing.name}': its nodes are more than one Emission node with "
+                      "constant values")
+    light.color = [a * b for a, b in zip(light.color, emission.inputs["Color"].default_value)]
+    light.energy *= emission.inputs["Strength"].default_value
+    light.use_nodes = False
+
+
+def check_objects(scene, things, findings):
+    if not any(thing.type in SURFACES for thing in things):
+        findings.problems.append("no mesh: nothing in the scene is rendered as a surface")
+    for thing in things:
+        if thing.type in LOST_SURFACES:
+            findings.problems.append(f"object '{thing.name}': type {thing.type} cannot be "
+                                     "exported; convert it to a mesh or disable it in renders")
+        if any(thing.particle_systems):
+            findings.problems.append(f"object '{thing.name}': has particles; make its instances "
+                                     "real (Object, Apply, Make Instances Real) or remove them")
+    nodes_instances = {
+        instance.parent.name for instance in bpy.context.evaluated_depsgraph_get().object_instances
+        if instance.is_instance and any(m.type == "NODES" for m in instance.parent.modifiers)}
+    for name in sorted(nodes_instances):
+        findings.problems.append(f"object '{name}': its geometry nodes make instances, which "
+                                 "would vanish; add a Realize Instances node before the output")
+    if scene.unit_settings.scale_length != 1.0:
+        findings.warnings.append(f"scene '{scene.name}': unit scale "
+                                 f"{scene.unit_settings.scale_length:g} is ignored; lengths are "
+                                 "Blender units")
+    if len(bpy.data.scenes) > 1:
+        findings.warnings.append(f"only scene '{scene.name}' is exported, of "
+                                 f"{len(bpy.data.scenes)}")
+
+
+def take_materials(things, findings):
+    """Gives every surface a material that glTF can say."""
+    default = None
+    used = {}
+    for thing in things:
+        if thing.type not in SURFACES:
+            continue
+        if not thing.material_slots or any(slot.material is None for slot in thing.material_slots):
+            # Blender renders a surface without a material as a Diffuse BSDF of 0.8; glTF as metal.
+            default = default or _principled(bpy.data.materials.new("default"), 0.8, None)
+            if not thing.material_slots:
+                thing.data.materials.append(default)
+            for slot in thing.material_slots:
+                slot.material = slot.material or default
+        for slot in thing.material_slots:
+            used[slot.material.name] = slot.material
+    for _, material in sorted(used.items()):
+        findings.of(_take_material, material, findings.warnings)
+
+
+def _take_material(material, warnings):
+    where = f"material '{material.name}'"
+    if not material.use_nodes:
+        _principled(material, material.diffuse_color[:3], None)
+        return
+    output = material.node_tree.get_output_node("CYCLES")
+    shader, _ = source(output.inputs["Surface"]) if output else (None, None)
+    if shader is None or shader.type not in ("BSDF_DIFFUSE", "BSDF_PRINCIPLED"):
+        found = "nothing" if shader is None else f"a {shader.bl_label} node"
+        raise Refusal(f"{where}: its surface is {found}; occlab takes a Diffuse BSDF or a "
+                      "Principled BSDF")
+    if output.inputs["Displacement"].is_linked:
+        warnings.append(f"{where}: its displacement is not exported")
+    if shader.inputs["Normal"].is_linked:
+        warnings.append(f"{where}: its normal or bump map is not rendered")
+    diffuse = shader.type == "BSDF_DIFFUSE"
+    colour = shader.inputs["Color" if diffuse else "Base Color"]
+    texture, _ = source(colour)
+    if texture is not None:
+        _check_texture(texture, where)
+    elif any(not 0.0 <= channel <= 1.0 for channel in colour.default_value[:3]):
+        raise Refusal(f"{where}: colour {list(map(rounded, colour.default_value[:3]))}; an albedo "
+                      "lies in [0, 1]")
+    if diffuse:
+        if shader.inputs["Roughness"].is_linked or shader.inputs["Roughness"].default_value > 0:
+            warnings.append(f"{where}: its Oren-Nayar roughness is rendered as 0 (Lambert)")
+        _principled(material, colour.default_value[:3], texture)
+        return
+    for name, lambert in (("Metallic", 0.0), ("Transmission", 0.0), ("Subsurface", 0.0),
+                          ("Sheen", 0.0), ("Clearcoat", 0.0), ("Alpha", 1.0)):
+        if shader.inputs[name].is_linked or shader.inputs[name].default_value != lambert:
+            warnings.append(f"{where}: {name} is ignored; occlab renders the base colour as "
+                            "Lambertian and opaque")
+    emits = [shader.inputs["Emission"], shader.inputs["Emission Strength"]]
+    if all(each.is_linked for each in emits) or (
+            (emits[0].is_linked or any(emits[0].default_value[:3]))
+            and (emits[1].is_linked or emits[1].default_value != 0)):
+        warnings.append(f"{where}: its emission is ignored; occlab renders no glowing surfaces")
+
+
+def _check_texture(texture, where):
+    if texture.type != "TEX_IMAGE":
+        raise Refusal(f"{where}: its colour comes from a {texture.bl_label} node; occlab takes a "
+                      "constant or an Image Texture (bake it)")
+    if texture.image is None or not texture.image.has_data and not texture.image.size[0]:
+        raise Refusal(f"{where}: its Image Texture has no image, or the file is missing")
+    coordinates, output = source(texture.inputs["Vector"])
+    if coordinates is not None and coordinates.type != "UVMAP" and (
+            (coordinates.type, output.name) != ("TEX_COORD", "UV")):
+        raise Refusal(f"{where}: its Image Texture is placed by {coordinates.bl_label} "
+                      f"'{output.name}'; occlab takes UV coordinates, unmapped")
+
+
+def _principled(material, colour, texture):
+    """Makes the material a matt Principled BSDF, which glTF's exporter understands."""
+    if material.library is not None:
+        raise Refusal(f"material '{material.name}': linked from {material.library.filepath}; "
+                      "make it local (Object, Relations, Make Local)")
+    material.use_nodes = True
+    tree = material.node_tree
+    for node in [node for node in tree.nodes if node.type in ("OUTPUT_MATERIAL", "BSDF_PRINCIPLED",
+                                                             "BSDF_DIFFUSE")]:
+        tree.nodes.remove(node)
+    shader = tree.nodes.new("ShaderNodeBsdfPrincipled")
+    output = tree.nodes.new("ShaderNodeOutputMaterial")
+    tree.links.new(shader.outputs["BSDF"], output.inputs["Surface"])
+    rgb = [colour] * 3 if isinstance(colour, float) else list(colour)
+    shader.inputs["Base Color"].default_value = (*rgb, 1.0)
+    shader.inputs["Roughness"].default_value = 1.0
+    if texture is not None:
+        tree.links.new(texture.outputs["Color"], shader.inputs["Base Color"])
+    return material
+
+
+def measure(triangle_sets):
+    """Count, area and area-weighted centroid (glTF axes) of (local triangles, world matrix) pairs.
+
+    Three numbers that a lost object, a sheared matrix or a misplaced instance would change.
+    """
+    count, area, moment = 0, 0.0, numpy.zeros(3)
+    for triangles, matrix in triangle_sets:
+        world = triangles @ matrix[:3, :3].T + matrix[:3, 3]
+        areas = 0.5 * numpy.linalg.norm(
+            numpy.cross(world[:, 1] - world[:, 0], world[:, 2] - world[:, 0]), axis=1)
+        count += len(world)
+        area += areas.sum()
+        moment += (areas[:, None] * world.mean(axis=1)).sum(axis=0)
+    return count, area, moment / area if area > 0 else moment
+
+
+def blender_triangles():
+    """What Blender would render, as `measure` takes it."""
+    to_gltf = numpy.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]], float)
+    cache = {}
+    for instance in bpy.context.evaluated_depsgraph_get().object_instances:
+        thing = instance.object
+        if thing.type not in SURFACES or not instance.show_self:
+            continue
+        key = thing.original.name_full
+        if key not in cache:
+            mesh = thing.to_mesh()
+            mesh.calc_loop_triangles()
+            points = numpy.empty(3 * len(mesh.vertices), numpy.float32)
+            corners = numpy.empty(3 * len(mesh.loop_triangles), numpy.int32)
+            mesh.vertices.foreach_get("co", points)
+            mesh.loop_triangles.foreach_get("vertices", corners)
+            cache[key] = points.reshape(-1, 3).astype(float)[corners.reshape(-1, 3)]
+            thing.to_mesh_clear()
+        yield cache[key], to_gltf @ numpy.array(instance.matrix_world, float)
+
+
+def gltf_triangles(document, blob):
+    for node, matrix in glb.placed_nodes(document):
+        if "mesh" not in node:
+            continue
+        for primitive in document["meshes"][node["mesh"]]["primitives"]:
+            points = numpy.array(glb.accessor_values(document, blob,
+                                                     primitive["attributes"]["POSITION"]))
+            corners = numpy.array(glb.accessor_values(document, blob, primitive["indices"]))
+            yield (points.reshape(-1, 3).astype(float)[corners.reshape(-1, 3)],
+                   numpy.array(matrix, float))
+
+
+def check_nothing_lost(expected, document, blob):
+    found = measure(gltf_triangles(document, blob))
+    size = math.sqrt(expected[1]) + numpy.abs(expected[2]).max()
+    if found[0] != expected[0] or abs(found[1] - expected[1]) > 1e-4 * expected[1] or (
+            numpy.abs(found[2] - expected[2]).max() > 1e-4 * size):
+        raise Refusal(
+            f"the exported geometry is not the rendered one: {found[0]} triangles of area "
+            f"{found[1]:.6g}, where Blender renders {expected[0]} of area {expected[1]:.6g}. "
+            "Usual causes: an object sheared by its parent's unequal scale (apply the scale), or "
+            "an object hidden inside an instanced collection")
+
+
+def write_atomically(path, data):
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        with open(temporary, "wb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(temporary, path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def blender_export(path):
+    """Blender's own exporter, with everything that is off by default and needed."""
+    bpy.ops.export_scene.gltf(
+        filepath=str(path), export_format="GLB", convert_lighting_mode="COMPAT",
+        export_cameras=True, export_lights=True, export_extras=True, export_apply=True,
+        use_active_scene=True, use_visible=True, use_renderable=True, export_colors=False,
+        export_animations=False, export_skins=False, export_morph=False)
+    try:
+        return glb.parse(path.read_bytes())
+    finally:
+        path.unlink(missing_ok=True)
+
+
+def export_scene(out):
+    """Exports the open scene to `out`. Raises Refusal; then nothing is written."""
+    if out.suffix != ".glb" or not out.parent.is_dir():
+        raise Refusal(f"{out}: the output is a .glb file in a folder that exists")
+    scene = bpy.context.scene
+    findings = Findings()
+    show_as_rendered(scene)
+    things = rendered_objects()
+    cameras = [thing for thing in things if thing.type == "CAMERA"]
+    lights = [thing for thing in things if thing.type == "LIGHT"]
+    check_cameras(cameras, findings)
+    name_data_after_object(cameras)
+    name_data_after_object(lights)
+    check_objects(scene, things, findings)
+    extras = {"format": FORMAT,
+              "resolution": findings.of(carried.resolution, scene),
+              "world": findings.of(carried.world, scene, out, findings.warnings),
+              "lights": take_lights(lights, findings)}
+    take_materials(things, findings)
+    findings.stop_on_problems()
+
+    expected = measure(blender_triangles())
+    document, blob = blender_export(out.with_name(f".{out.stem}.{os.getpid()}.glb"))
+    blob = glb.share_equal_meshes(document, blob)
+    check_nothing_lost(expected, document, blob)
+    if extras["world"] is None:
+        del extras["world"]
+    extras["warnings"] = findings.warnings
+    document["scenes"][0].setdefault("extras", {})["occlab"] = extras
+    write_atomically(out, glb.unparse(document, blob))
+    for warning in findings.warnings:
+        print(f"occlab export: warning: {warning}", file=sys.stderr)
+    print(f"occlab export: {out}: {expected[0]} triangles, {len(document['meshes'])} meshes, "
+          f"{len(cameras)} cameras, {len(lights)} lights")
+
+
+def main():
+    """Exports to the path after `--`."""
+    try:
+        split = sys.argv.index("--") if "--" in sys.argv else len(sys.argv)
+        if len(sys.argv) != split + 2:
+            raise Refusal("usage: blender ... --python scenes/export.py -- OUT.glb")
+        # Blender goes on with an empty scene when it could not open the file it was given.
+        asked = [word for word in sys.argv[1:split] if word.endswith(".blend")]
+        if asked and pathlib.Path(asked[-1]).resolve() != pathlib.Path(bpy.data.filepath).resolve():
+            raise Refusal(f"{asked[-1]}: Blender could not open this file")
+        export_scene(pathlib.Path(sys.argv[-1]))
+    except Refusal as refusal:
+        for line in str(refusal).split("\n"):
+            print(f"occlab export: error: {line}", file=sys.stderr)
+        sys.stderr.flush()
+        sys.exit(2)
+
+
+if __name__ == "__main__":
+    main()
