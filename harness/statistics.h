@@ -53,10 +53,6 @@ class PortableRandom {
   std::size_t index(std::size_t count) {
     return static_cast<std::size_t>(((engine_() >> 32) * static_cast<std::uint64_t>(count)) >> 32);
   }
-  /// Uniform in (0, 1), never an end.
-  double unit() { return (static_cast<double>(engine_() >> 12) + 0.5) * 0x1p-52; }
-  /// Standard normal.
-  double normal();
 
  private:
   std::mt19937_64 engine_;

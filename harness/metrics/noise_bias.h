@@ -49,8 +49,9 @@ class RunStatistics {
 /// A value with its interval, or the reason why there is none.
 struct Estimate {
   std::optional<double> value;
-  std::optional<Interval> interval;  ///< empty where the runs are too few (K < 3)
-  std::string reason;                ///< why `value` is empty; empty otherwise
+  /// Empty for K < 3, and where leaving a run out leaves no noise to take the logarithm of.
+  std::optional<Interval> interval;
+  std::string reason;  ///< why `value` is empty; empty otherwise
 };
 
 /// Noise and bias of K runs against a reference, in units of the reference's mean luminance over
