@@ -40,7 +40,10 @@ Parameter real_parameter(std::string name, double value, double minimum, double 
 }
 
 Parameter choice_parameter(std::string name, std::vector<std::string> choices, std::string help) {
-  Parameter parameter{std::move(name), ParameterKind::choice, choices.front()};
+  Parameter parameter;
+  parameter.name = std::move(name);
+  parameter.kind = ParameterKind::choice;
+  parameter.default_value = choices.front();
   parameter.choices = std::move(choices);
   parameter.help = std::move(help);
   return parameter;

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <array>
+#include <functional>
+#include <optional>
+#include <string_view>
+
+#include "renderers/gl/gbuffer.h"
+#include "renderers/methods/lighting.h"
+#include "renderers/trace/traced_scene.h"
+
+namespace occlab {
+
+/// Runs one pass of a method; a timer wraps it, everyone else just calls it.
+using PassClock = std::function<void(std::string_view pass, const std::function<void()>& run)>;
+
+/// One view of a scene under one light, as every method gets it. G-buffers, the ray tracer's scene
+/// and the lighting are made when first asked for and shared from then on.
+struct Frame {
+  const Scene& scene;
+  const GpuScene& gpu_scene;
+  View view;
+  Lighting lighting;
+  ProgramCache& programs;
+  PassClock clock = [](std::string_view, const std::function<void()>& run) { run(); };
+
+  const GBuffer& gbuffer(GBufferBits bits) const;
+  /// The 32-bit G-buffer read back.
+  const GBufferImages& surface() const;
+  const TracedScene& traced() const;
+
+  struct Made {
+    std::array<std::optional<GBuffer>, 2> gbuffers;
+    std::optional<GBufferImages> surface;
+    std::optional<TracedScene> traced;
+  };
+  mutable Made made{};
+};
+
+}  // namespace occlab

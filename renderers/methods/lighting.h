@@ -1,0 +1,46 @@
+#pragma once
+
+#include <optional>
+
+#include "renderers/gl/texture.h"
+#include "renderers/scene/environment.h"
+#include "renderers/scene/view.h"
+
+namespace occlab {
+
+inline constexpr int cone_levels = 8;  ///< SSBN's pre-convolved levels [Klehm et al. 2011]
+inline constexpr int cone_level_width = 128;
+
+/// A probe and punctual lights, ready for the passes of one view. What a method does not ask for
+/// is not made.
+class Lighting {
+ public:
+  Lighting(Environment environment, std::vector<Light> lights, const View& view);
+
+  const Environment& environment() const { return environment_; }
+  const std::vector<Light>& lights() const { return lights_; }
+
+  /// Turns a view-space direction into probe space.
+  glm::mat3 probe_from_view() const;
+  /// Order-4 SH of the probe in view space: c[env] of [S3HO eq. 4].
+  const ShRgb& sh_view() const;
+  /// The probe's texels.
+  const Texture& probe_texture() const;
+  /// L_c at alpha_k = (k+1)/8 pi/2. Its last layer is E_unoccluded / pi.
+  const Texture& cone_texture() const;
+  /// std140 array of PunctualLight in view space; one unused entry if there is no light.
+  const Buffer& light_buffer() const;
+  const Buffer& sh_buffer() const;
+
+ private:
+  Environment environment_;
+  std::vector<Light> lights_;
+  View view_;
+  mutable std::optional<ShRgb> sh_view_;
+  mutable std::optional<Texture> probe_texture_;
+  mutable std::optional<Texture> cone_texture_;
+  mutable std::optional<Buffer> light_buffer_;
+  mutable std::optional<Buffer> sh_buffer_;
+};
+
+}  // namespace occlab

@@ -1,0 +1,86 @@
+#include <algorithm>
+
+#include "renderers/methods/frame.h"
+#include "renderers/methods/method.h"
+#include "renderers/trace/reference.h"
+
+namespace occlab {
+namespace {
+
+const std::vector<std::string> estimator_words = {"mis", "cosine", "environment"};
+
+ReferenceSettings settings_of(const ParameterSet& parameters) {
+  const auto index_of = [](const std::vector<std::string>& words, const std::string& word) {
+    return int(std::ranges::find(words, word) - words.begin());
+  };
+  const auto weight = std::ranges::find(parameters.declared(), "weight", &Parameter::name);
+  return {.rays_per_pixel = parameters.integer("rays_per_pixel"),
+          .estimator = Estimator(index_of(estimator_words, parameters.choice("estimator"))),
+          .seed = std::uint64_t(parameters.integer("seed")),
+          .d_max_world = parameters.real32("d_max_world"),
+          .weight = index_of(weight->choices, parameters.choice("weight")),
+          .lambda_per_world = parameters.real32("lambda_per_world"),
+          .fade_start = parameters.real32("fade_start")};
+}
+
+class RayTracedOcclusion final : public OcclusionMethod {
+ public:
+  void render(const Frame& frame, const ParameterSet& parameters) override {
+    const GBufferImages& surface = frame.surface();
+    const TracedScene& traced = frame.traced();
+    frame.clock("trace", [&] {
+      reference_ =
+          trace_reference(traced, frame.lighting.environment(), frame.lighting.lights(), frame.view,
+                          {surface.position_view, surface.normal_view,
+                           surface.geometric_normal_view, surface.albedo, surface.mask},
+                          settings_of(parameters));
+    });
+  }
+
+  Layers evaluate(const Frame& frame, const ParameterSet& parameters, Metadata& facts) override {
+    render(frame, parameters);
+    Layers layers;
+    layers.add("radiance", std::move(reference_.radiance));
+    layers.add("radiance_variance", std::move(reference_.radiance_variance));
+    if (!reference_.ambient_occlusion.empty()) {
+      layers.add("ambient_occlusion", std::move(reference_.ambient_occlusion));
+    }
+    facts["rays_per_pixel_traced"] = std::to_string(reference_.rays_per_pixel);
+    facts["rays"] = std::to_string(reference_.rays);
+    return layers;
+  }
+
+ private:
+  Reference reference_;
+};
+
+}  // namespace
+
+MethodInfo rtdo() {
+  return {
+      .name = "rtdo",
+      .title = "RTDO",
+      .paper = "ray-traced directional occlusion, the truth of Herholz et al. 2012",
+      .parameters =
+          {
+              integer_parameter("rays_per_pixel", 1024, 1, 1 << 24, "",
+                                "rounded up to a whole number of rays for each of 16 batches"),
+              choice_parameter("estimator", estimator_words,
+                               "how directions are drawn: balance heuristic of both, in proportion "
+                               "to the cosine, or to the probe's texels"),
+              integer_parameter("seed", 0, 0, 1'000'000'000, "", "draws the directions"),
+              real_parameter("d_max_world", 1.0, 1e-6, std::numeric_limits<double>::infinity(),
+                             "scene units", "farthest blocker that counts; inf is accepted"),
+              choice_parameter("weight", {"binary", "lambda", "smoothstep"},
+                               "what a blocker lets through at its distance"),
+              real_parameter("lambda_per_world", 1.0, 0.0, 1e6, "1/scene units",
+                             "lambda of 1 - 1/(1 + lambda d)"),
+              real_parameter("fade_start", 0.75, 0.0, 1.0, "d_max",
+                             "where smoothstep begins to let light through"),
+          },
+      .layers = {"radiance_variance", "ambient_occlusion"},
+      .shaders = {},
+      .make = [] { return std::make_unique<RayTracedOcclusion>(); }};
+}
+
+}  // namespace occlab

@@ -1,0 +1,192 @@
+#include "renderers/methods/screen_space.h"
+
+#include <fmt/format.h>
+
+#include <array>
+
+#include "renderers/gl/context.h"
+#include "renderers/methods/frame.h"
+#include "renderers/methods/sample_set.h"
+
+namespace occlab {
+namespace {
+
+constexpr const char* filter_shader = "renderers/methods/bilateral.frag";
+
+/// Units and bindings, as screen_space.glsl declares them.
+enum TextureUnit : GLuint {
+  unit_position,
+  unit_normal,
+  unit_albedo,
+  unit_probe,
+  unit_cones,
+  unit_input
+};
+enum BufferBinding : GLuint { binding_samples, binding_lights, binding_sh };
+
+GBufferBits gbuffer_bits(const ParameterSet& parameters) {
+  return parameters.choice("gbuffer_bits") == "32" ? GBufferBits::float32 : GBufferBits::float16;
+}
+
+std::string preamble(const Frame& frame, const ParameterSet& parameters,
+                     const std::vector<GLenum>& formats) {
+  return fmt::format(
+      "{}#define LIGHT_COUNT {}\n#define TARGET_COUNT {}\n#define INTEGER_TARGETS {}\n",
+      parameters.glsl_preamble(), frame.lighting.lights().size(), formats.size(),
+      formats.front() == GL_RGBA32UI ? 1 : 0);
+}
+
+/// Uses the program and hands it what every pass may read.
+void use_program(const Frame& frame, const ParameterSet& parameters, const std::string& shader,
+                 const std::vector<GLenum>& formats) {
+  const Program& program =
+      frame.programs.get(fullscreen_vertex_shader, shader, preamble(frame, parameters, formats));
+  program.use();
+  for (const Parameter& parameter : parameters.declared()) {
+    if (parameter.kind == ParameterKind::real) {
+      program.set(parameter.name.c_str(), parameters.real32(parameter.name));
+    }
+  }
+  const View& view = frame.view;
+  program.set("focal_pixels", view.focal_pixels());
+  program.set("image_center", 0.5f * glm::vec2(view.width, view.height));
+  program.set("probe_from_view", frame.lighting.probe_from_view());
+  const GBuffer& gbuffer = frame.gbuffer(gbuffer_bits(parameters));
+  Program::bind_texture(unit_position, gbuffer.position_view());
+  Program::bind_texture(unit_normal, gbuffer.normal_view());
+  Program::bind_texture(unit_albedo, gbuffer.albedo());
+  Program::bind_texture(unit_probe, frame.lighting.probe_texture());
+  Program::bind_texture(unit_cones, frame.lighting.cone_texture());
+  Program::bind_uniform_buffer(binding_lights, frame.lighting.light_buffer());
+  Program::bind_uniform_buffer(binding_sh, frame.lighting.sh_buffer());
+}
+
+void bind_inputs(const Framebuffer& framebuffer) {
+  for (std::size_t i = 0; i < framebuffer.colors().size(); ++i) {
+    Program::bind_texture(unit_input + GLuint(i), framebuffer.colors()[i]);
+  }
+}
+
+bool filters(const ParameterSet& parameters) { return parameters.choice("filter") != "none"; }
+
+/// The lit image; negative channels, which an SH product can give, become 0 and are counted.
+Image read_radiance(const Framebuffer& target, std::size_t& negative_pixels) {
+  const Image rgba = target.colors().front().download();
+  Image radiance(rgba.width(), rgba.height(), 3);
+  for (std::size_t p = 0; p < rgba.pixel_count(); ++p) {
+    bool negative = false;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float value = rgba.values()[p * 4 + c];
+      negative |= value < 0.0f;
+      radiance.values()[p * 3 + c] = value < 0.0f ? 0.0f : value;  // a NaN stays one
+    }
+    negative_pixels += negative ? 1 : 0;
+  }
+  return radiance;
+}
+
+}  // namespace
+
+std::vector<Parameter> screen_space_parameters() {
+  return {
+      integer_parameter("samples", 32, 1, 256, "", "N, directions a pixel [S3HO sec. 3]"),
+      integer_parameter("steps", 2, 1, 64, "", "S, march steps a direction [S3HO sec. 4]"),
+      integer_parameter("seed", 0, 0, 1'000'000'000, "", "draws the sample set"),
+      real_parameter("d_max_world", 1.0, 1e-6, 1e6, "scene units",
+                     "farthest blocker that counts [S3HO eq. 2]; unstated in the paper"),
+      real_parameter("bias_world", 1e-3, 0.0, 1e6, "scene units",
+                     "a blocker must be this much nearer to the camera than the sample"),
+      real_parameter("epsilon_world", 1e-3, 0.0, 1e6, "scene units",
+                     "a blocker must rise this far above the tangent plane"),
+      choice_parameter("weight", {"binary", "lambda", "smoothstep"},
+                       "what a blocker lets through at its distance [S3HO sec. 2.1; SSDO sec. 4]"),
+      real_parameter("lambda_per_world", 1.0, 0.0, 1e6, "1/scene units",
+                     "lambda of 1 - 1/(1 + lambda d); unstated in the paper"),
+      real_parameter("fade_start", 0.75, 0.0, 1.0, "d_max",
+                     "where smoothstep begins to let light through; unstated in the paper"),
+      choice_parameter("gbuffer_bits", {"32", "16"},
+                       "float size of positions and normals; the paper has 16 [S3HO sec. 3]"),
+      choice_parameter("filter", {"bilateral", "none"},
+                       "8x8 geometry-aware filter of the representation [S3HO sec. 3]"),
+      real_parameter("filter_power", 32.0, 0.0, 1000.0, "",
+                     "power of the orientation weight; Klehm et al. have 5, which leaks 3% round a "
+                     "90-degree corner"),
+      real_parameter("filter_scale", 1.0, 1e-6, 1e6, "d_max",
+                     "distance at which the distance weight is 1/4"),
+      real_parameter("hanning_width", 4.0, 0.0, 100.0, "bands",
+                     "w of the Hanning window on punctual lights' SH, 0 for none; unstated in the "
+                     "paper [S3HO sec. 2.2]"),
+  };
+}
+
+std::vector<std::string> screen_space_shaders(std::vector<std::string> first) {
+  first.push_back(filter_shader);
+  return first;
+}
+
+void ScreenSpaceMethod::prepare(const Frame& frame) {
+  const View& view = frame.view;
+  if (radiance_ && radiance_->colors().front().width() == view.width &&
+      radiance_->colors().front().height() == view.height) {
+    return;
+  }
+  representation_.emplace(view.width, view.height, passes_.representation_formats, false);
+  filtered_.emplace(view.width, view.height, passes_.representation_formats, false);
+  const std::array<GLenum, 1> radiance_format = {GL_RGBA32F};
+  radiance_.emplace(view.width, view.height, radiance_format, false);
+}
+
+void ScreenSpaceMethod::run_occlusion(const Frame& frame, const ParameterSet& parameters) {
+  const SampleSet samples = make_sample_set(int(parameters.integer("samples")),
+                                            std::uint64_t(parameters.integer("seed")));
+  std::vector<glm::vec4> block = samples.directions;
+  block.insert(block.end(), samples.sets.begin(), samples.sets.end());
+  const Buffer sample_buffer(block.data(), block.size() * sizeof(glm::vec4));
+  use_program(frame, parameters, passes_.occlusion_shader, passes_.representation_formats);
+  Program::bind_uniform_buffer(binding_samples, sample_buffer);
+  representation_->bind();
+  frame.clock("occlusion", draw_fullscreen);
+}
+
+void ScreenSpaceMethod::run_filter(const Frame& frame, const ParameterSet& parameters) {
+  use_program(frame, parameters, filter_shader, passes_.representation_formats);
+  bind_inputs(*representation_);
+  filtered_->bind();
+  frame.clock("filter", draw_fullscreen);
+}
+
+void ScreenSpaceMethod::run_lighting(const Frame& frame, const ParameterSet& parameters,
+                                     const Framebuffer& representation) {
+  use_program(frame, parameters, passes_.lighting_shader, passes_.representation_formats);
+  bind_inputs(representation);
+  radiance_->bind();
+  frame.clock("lighting", draw_fullscreen);
+}
+
+void ScreenSpaceMethod::render(const Frame& frame, const ParameterSet& parameters) {
+  prepare(frame);
+  run_occlusion(frame, parameters);
+  if (filters(parameters)) run_filter(frame, parameters);
+  run_lighting(frame, parameters, filters(parameters) ? *filtered_ : *representation_);
+  check_gl("a screen-space method");
+}
+
+Layers ScreenSpaceMethod::evaluate(const Frame& frame, const ParameterSet& parameters,
+                                   Metadata& facts) {
+  render(frame, parameters);
+  Layers layers;
+  std::size_t negative_pixels = 0;
+  layers.add("radiance", read_radiance(*radiance_, negative_pixels));
+  facts["negative_pixels"] = std::to_string(negative_pixels);
+  passes_.read_layers(filters(parameters) ? *filtered_ : *representation_, layers);
+  if (filters(parameters)) {
+    std::size_t negative_unfiltered = 0;
+    run_lighting(frame, parameters, *representation_);
+    layers.add("radiance_unfiltered", read_radiance(*radiance_, negative_unfiltered));
+    facts["negative_pixels_unfiltered"] = std::to_string(negative_unfiltered);
+  }
+  check_gl("reading a screen-space method back");
+  return layers;
+}
+
+}  // namespace occlab

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "renderers/gl/texture.h"
+#include "renderers/methods/method.h"
+
+namespace occlab {
+
+/// What tells one screen-space method from another: everything else is shared.
+struct ScreenSpacePasses {
+  std::string occlusion_shader;
+  std::string lighting_shader;
+  std::vector<GLenum> representation_formats;  ///< the occlusion pass's targets
+  /// Adds the method's own layers from its (filtered) representation.
+  std::function<void(const Framebuffer& representation, Layers& layers)> read_layers;
+};
+
+/// The parameters of sampling, visibility, G-buffer and filter, shared by all screen-space methods.
+std::vector<Parameter> screen_space_parameters();
+
+/// Occlusion pass, then the bilateral filter of the representation, then deferred lighting.
+class ScreenSpaceMethod final : public OcclusionMethod {
+ public:
+  explicit ScreenSpaceMethod(ScreenSpacePasses passes) : passes_(std::move(passes)) {}
+
+  void render(const Frame& frame, const ParameterSet& parameters) override;
+  Layers evaluate(const Frame& frame, const ParameterSet& parameters, Metadata& facts) override;
+
+ private:
+  void prepare(const Frame& frame);
+  void run_occlusion(const Frame& frame, const ParameterSet& parameters);
+  void run_filter(const Frame& frame, const ParameterSet& parameters);
+  void run_lighting(const Frame& frame, const ParameterSet& parameters,
+                    const Framebuffer& representation);
+
+  ScreenSpacePasses passes_;
+  std::optional<Framebuffer> representation_;
+  std::optional<Framebuffer> filtered_;
+  std::optional<Framebuffer> radiance_;
+};
+
+/// The shaders whose text decides a method's result: `first` and those every method uses.
+std::vector<std::string> screen_space_shaders(std::vector<std::string> first);
+
+}  // namespace occlab

@@ -1,0 +1,22 @@
+// SSAO: the cosine-weighted share of unblocked directions, k_A.
+#include "renderers/methods/screen_space.glsl"
+#include "renderers/shared/representation_ao.h"
+
+layout(location = 0) out float out_k_A;
+
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  vec4 p = texelFetch(position_view, pixel, 0);
+  out_k_A = 0.0;
+  if (p.w == 0.0) return;
+  vec3 n = texelFetch(normal_view, pixel, 0).xyz;
+  vec4 set = pixel_sample_set();
+  mat3 frame = sampling_frame(n, set);
+  float sum = 0.0;
+  for (int j = 0; j < PARAMETER_samples; ++j) {
+    vec4 s = sample_direction[j];
+    float V = march_visibility(p.xyz, n, frame * s.xyz, fract(s.w + set.z), d_max_world);
+    ao_accumulate(sum, V, s.z);
+  }
+  out_k_A = ao_result(sum, PARAMETER_samples);
+}

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <embree3/rtcore.h>
+
+#include <memory>
+
+#include "renderers/scene/scene.h"
+
+namespace occlab {
+
+/// A scene's triangles in Embree, world space. A mesh that is used once is stored with its
+/// transform applied; a mesh that is used more often is stored once and instanced.
+class TracedScene {
+ public:
+  explicit TracedScene(const Scene& scene);
+
+  RTCScene handle() const { return scene_.get(); }
+  /// Of the box around everything; ray epsilons are relative to it.
+  float bounding_radius() const { return bounding_radius_; }
+
+ private:
+  struct Release {
+    void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+    void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+  };
+  std::unique_ptr<RTCDeviceTy, Release> device_;
+  std::unique_ptr<RTCSceneTy, Release> scene_;
+  float bounding_radius_ = 0.0f;
+};
+
+}  // namespace occlab
