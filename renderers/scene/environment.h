@@ -13,11 +13,12 @@ namespace occlab {
 
 /// How a light probe is asked for.
 struct ProbeSettings {
-  std::string source;  ///< a name of probe_names(), or a path of an equirect EXR or HDR
-  float rotation_degrees =
-      0.0f;  ///< turns the environment about world +Y, counter-clockwise from above
+  /// A name of probe_names(), or a path (it has a '/' or an extension) of an equirect EXR or HDR.
+  std::string source;
+  /// Turns the environment about world +Y, counter-clockwise from above.
+  float rotation_degrees = 0.0f;
   float exposure_stops = 0.0f;     ///< texels times 2^stops
-  float prefilter_degrees = 0.0f;  ///< sigma of the Gaussian exp(-angle^2 / (2 sigma^2)); 0: none
+  float prefilter_degrees = 0.0f;  ///< sigma of prefilter_gaussian, 0 to 180; 0: none
 };
 
 /// A distant light: piecewise-constant texels of an equirect image. The same texels and the same
@@ -31,12 +32,16 @@ struct Environment {
   glm::mat3 probe_from_world{1.0f};         ///< the rotation; orthonormal
   std::size_t clamped_negative_texels = 0;  ///< negative input texels set to 0, to be reported
 
-  /// Radiance from unit direction `d` (away from the shaded point), world space, nearest texel.
+  /// Column and row of the texel that a unit direction (away from the shaded point) falls into.
+  glm::ivec2 texel(glm::vec3 direction_world) const;
+  /// Radiance from a unit direction (away from the shaded point): the nearest texel.
   glm::vec3 radiance(glm::vec3 direction_world) const;
 };
 
-/// Loads, exposes and prefilters a probe. Throws InputError naming the file and what is wrong
-/// (missing, unreadable, zero size, NaN or Inf, not 2:1).
+/// Loads, exposes and prefilters a probe. Negative values of at least -0.01 (Blender's studio
+/// lights have some, from lossy compression) become 0 and are counted. Throws InputError naming the
+/// file and what is wrong: missing, unreadable, zero size, not 2:1, NaN or Inf, a more negative
+/// value, a setting out of range.
 Environment load_environment(const ProbeSettings& settings);
 
 /// A constant environment, for tests and furnaces.
@@ -47,38 +52,68 @@ struct ProbeName {
   std::string name;
   std::filesystem::path path;
 };
+/// Names are sorted, ours first; a name of ours hides Blender's. The studio lights are looked for
+/// in studiolights/world of: $OCCLAB_BLENDER_DATAFILES and nowhere else if it is set; else
+/// $BLENDER_SYSTEM_DATAFILES, /usr/share/blender/datafiles, /usr/share/blender/*/datafiles, of
+/// which the first that has any counts.
 std::vector<ProbeName> probe_names();
 
-/// Order-4 SH of the radiance, in the space given by `world_from_space` (a rotation). Texels are
-/// weighted with their exact solid angle (2 pi / W)(cos theta_top - cos theta_bottom).
+/// Convolves an equirect radiance image with the Gaussian exp(-angle^2 / (2 sigma^2)) on the
+/// sphere, cut at 5 sigma. Where texels are finer than sigma/4, the image is first averaged to
+/// max(32, ceil(4 pi / sigma)) rows, and the result has that size (twice as many columns); else the
+/// size is kept. The weights are scaled so that both a constant and the energy (the sum of
+/// radiance times solid angle) are preserved.
+Image prefilter_gaussian(const Image& texels, float sigma_degrees);
+
+/// The same radiance on `width` x `width`/2 texels, width even: every texel is the solid-angle
+/// weighted mean of what it covers, so energy is preserved exactly.
+Image resample_area(const Image& texels, int width);
+
+/// Solid angle (sr) of a texel in `row`: (2 pi / W)(cos theta_top - cos theta_bottom).
+double texel_solid_angle(const Image& texels, int row);
+
+/// Order-4 SH of the radiance, in the space given by `world_from_space` (a rotation). Each texel
+/// contributes its radiance times the integral of the basis over it (2x2 Gauss-Legendre points, its
+/// solid angle exact), not a sample at its centre: coarse probes project as well as fine ones.
 ShRgb project_sh(const Environment& environment, const glm::mat3& world_from_space);
 
 /// SSBN's pre-convolved lighting [Klehm et al. 2011]: L_c(omega, alpha) = (t/pi) int_cone L cos,
-/// t = 1/(1 - cos alpha), at alpha_k = (k+1)/levels * pi/2. Equirect images in *probe space*.
+/// t = 1/(1 - cos alpha), at alpha_k = (k+1)/levels * pi/2. Equirect images in *probe space*, of
+/// `width` x `width`/2 (width even, at least 16) texels; the probe is averaged to that size first.
+/// The cone's edge is a ramp one texel wide, and each level and row is normalised against its own
+/// cone: a constant L gives (1 + cos alpha) L.
 struct ConePrefilter {
   std::vector<Image> levels;
 };
 ConePrefilter prefilter_cones(const Environment& environment, int levels, int width);
 
-/// Importance sampling of the texels: p(omega) = p(u, v) / (2 pi^2 sin theta), constant in a texel.
+/// Importance sampling of the texels, by the mean of their RGB times solid angle. Within a texel,
+/// phi and cos theta are uniform, so the density is constant per solid angle there: exactly
+/// pdf = P(texel) / solid angle(texel), the same for sample() and pdf().
 class EnvironmentSampler {
  public:
+  /// `environment` must outlive the sampler.
   explicit EnvironmentSampler(const Environment& environment);
 
   struct Sample {
     glm::vec3 direction_world;
-    glm::vec3 radiance;
-    float pdf;  ///< per solid angle; > 0
+    glm::vec3 radiance;  ///< Environment::radiance(direction_world)
+    float pdf;           ///< pdf(direction_world), per solid angle; > 0
   };
-  /// u1, u2 in [0, 1).
+  /// u1, u2 in [0, 1). The probe must not be black().
   Sample sample(float u1, float u2) const;
   /// Density (1/sr) with which sample() returns this direction; 0 where the probe is black.
   float pdf(glm::vec3 direction_world) const;
+  /// Whether every texel is 0, so that there is nothing to sample.
+  bool black() const { return !(row_cdf_.back() > 0.0); }
 
  private:
+  float texel_pdf(glm::ivec2 texel) const;
+
   const Environment* environment_;
-  std::vector<float> row_cdf_;     // height + 1
-  std::vector<float> column_cdf_;  // height rows of width + 1
+  // Running sums, not normalised. Double: beside a sun of 30000 a float would lose the dark texels.
+  std::vector<double> row_cdf_;     // height + 1
+  std::vector<double> column_cdf_;  // height rows of width + 1
 };
 
 }  // namespace occlab
