@@ -69,8 +69,8 @@ double median_ratio(std::span<const double> a, std::span<const double> b);
 
 /// Percentile bootstrap interval (Efron 1979) of median_ratio: pairs are drawn together.
 /// The median of few values can only land on few places, so that the interval is too short for
-/// small n: its true coverage at a nominal 95% is 87.5% for n = 7 (and continuous, independent
-/// ratios) and 93-95% from n of about 15. Prefer median_ratio_interval below that.
+/// small n: its coverage at a nominal 95% is 87.5% for n = 7 (continuous, independent ratios) and
+/// 93% for n = 31. Prefer median_ratio_interval for so few.
 Interval bootstrap_median_ratio(std::span<const double> a, std::span<const double> b,
                                 const Resampling& resampling = {});
 
