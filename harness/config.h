@@ -8,6 +8,7 @@
 
 #include "renderers/methods/method.h"
 #include "renderers/scene/environment.h"
+#include "renderers/scene/error.h"
 
 namespace occlab {
 
@@ -23,10 +24,9 @@ struct Axis {
 };
 
 struct SceneSettings {
-  std::string source;  ///< a scene's name, or the path of a .glb or .gltf (absolute)
-  bool source_is_path = false;
-  std::string view;  ///< a camera's name; empty: the first
-  int width = 1280;  ///< pixels
+  std::string source;  ///< a scene's name, or the absolute path of a .glb or .gltf
+  std::string view;    ///< a camera's name; empty: the first
+  int width = 1280;    ///< pixels
   int height = 720;
 };
 
@@ -116,9 +116,15 @@ std::vector<PlannedCell> plan(const Experiment& experiment, const std::vector<Me
 std::vector<PlannedCell> plan_timing(const Experiment& experiment,
                                      const std::vector<MethodInfo>& methods);
 
+/// No group of cells, or several, where one was to be selected.
+class SelectionError : public InputError {
+ public:
+  using InputError::InputError;
+};
+
 /// The group of `method` with the selected values; values of parameters that the method does not
 /// declare do not matter. load_experiment has made sure that each figure selects exactly one group
-/// of each of its methods. Throws InputError otherwise.
+/// of each of its methods. Throws SelectionError otherwise.
 int select_group(const std::vector<PlannedCell>& cells, const std::string& method,
                  const NamedValues& select);
 

@@ -22,8 +22,7 @@ struct Measurement {
   std::string resolution;  ///< "1280x720"
   std::string probe;       ///< with its settings, as the tables print it
   std::string method;
-  /// Name and value, declared order, without `seed`; values are not empty. Lines that share
-  /// parameters list them in a consistent order.
+  /// Name and value, without `seed`; values are not empty. A file keeps one order for all rows.
   std::vector<std::pair<std::string, std::string>> parameters;
   std::string seed;   ///< a number, or "all" for statistics over the seeds
   std::string stage;  ///< "unfiltered", "filtered" or "" where it does not apply

@@ -1,12 +1,12 @@
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include "harness/measurements.h"
+#include "harness/published.h"
 
 namespace occlab {
 
@@ -39,27 +39,6 @@ struct Table {
   std::vector<std::vector<TableCell>> rows;  ///< each as long as `columns`
   std::vector<std::string> notes;
 };
-
-/// A number that a paper printed (results/published/*.csv).
-struct PublishedTime {
-  std::string method;
-  int width = 0;
-  int height = 0;
-  std::string device;
-  long samples = 0;
-  long steps = 0;
-  double time_ms = 0.0;
-  std::string origin;  ///< "Table 1", or where else in the paper
-  std::string remark;  ///< what contradicts or is unstated; "" if nothing
-};
-
-struct PublishedTimes {
-  std::string source;  ///< the paper
-  std::vector<PublishedTime> times;
-};
-
-/// Throws InputError naming the file and line.
-PublishedTimes read_published_times(const std::filesystem::path& path);
 
 // Tables are pure functions of measurements. A row is a method and its parameters (and scene, view,
 // probe, resolution); what is the same everywhere becomes a note instead of a column. Only rows of

@@ -1,0 +1,152 @@
+// plan, plan_timing and select_group of config.h.
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cassert>
+
+#include "harness/config.h"
+
+namespace occlab {
+namespace {
+
+const MethodInfo& declared_method(const std::vector<MethodInfo>& methods, const std::string& name) {
+  const auto method = std::ranges::find(methods, name, &MethodInfo::name);
+  assert(method != methods.end());
+  return *method;
+}
+
+/// The defaults, then [parameters] as far as the method declares them.
+ParameterSet common_parameters(const Experiment& experiment, const MethodInfo& method) {
+  ParameterSet parameters(method.parameters);
+  for (const auto& [name, value] : experiment.parameters) {
+    if (parameters.has(name)) parameters.set(name, value);
+  }
+  return parameters;
+}
+
+/// Every point of the crossed axes; the first axis varies slowest. Without axes, one empty point.
+std::vector<NamedValues> cross(const std::vector<Axis>& axes) {
+  std::vector<NamedValues> points = {{}};
+  for (const Axis& axis : axes) {
+    std::vector<NamedValues> longer;
+    for (const NamedValues& point : points) {
+      for (const ParameterValue& value : axis.values) {
+        longer.push_back(point);
+        longer.back().emplace_back(axis.parameter, value);
+      }
+    }
+    points = std::move(longer);
+  }
+  return points;
+}
+
+/// "samples (32, 16, 8)": the values the cells have for a parameter.
+std::string found_values(const std::vector<const PlannedCell*>& cells, const std::string& name) {
+  std::vector<std::string> values;
+  for (const PlannedCell* cell : cells) {
+    const std::string value = to_string(cell->parameters.value(name));
+    if (std::ranges::find(values, value) == values.end()) values.push_back(value);
+  }
+  return fmt::format("{} ({})", name, fmt::join(values, ", "));
+}
+
+bool matches(const PlannedCell& cell, const NamedValues& select) {
+  return std::ranges::all_of(select, [&](const auto& wanted) {
+    const auto& [name, value] = wanted;
+    if (!cell.parameters.has(name)) return true;
+    // set() gives the wanted value the declared kind, so that 1 matches 1.0.
+    ParameterSet probe = cell.parameters;
+    probe.set(name, value);
+    return probe.value(name) == cell.parameters.value(name);
+  });
+}
+
+}  // namespace
+
+std::vector<PlannedCell> plan(const Experiment& experiment,
+                              const std::vector<MethodInfo>& methods) {
+  std::vector<PlannedCell> cells;
+  int group = 0;
+  if (experiment.reference) {
+    const MethodInfo& method = declared_method(methods, experiment.reference->method);
+    ParameterSet parameters = common_parameters(experiment, method);
+    for (const auto& [name, value] : experiment.reference->parameters) parameters.set(name, value);
+    cells.push_back({Role::reference, method.name, std::move(parameters), group++});
+  }
+  for (const RunSettings& run : experiment.runs) {
+    for (const std::string& name : run.methods) {
+      const MethodInfo& method = declared_method(methods, name);
+      for (const NamedValues& point : cross(run.axes)) {
+        ParameterSet parameters = common_parameters(experiment, method);
+        for (const auto& [parameter, value] : point) parameters.set(parameter, value);
+        for (int seed = 0; seed < run.seeds; ++seed) {
+          if (parameters.has("seed")) parameters.set("seed", long(seed));
+          cells.push_back({Role::test, name, parameters, group});
+        }
+        ++group;
+      }
+    }
+  }
+  return cells;
+}
+
+std::vector<PlannedCell> plan_timing(const Experiment& experiment,
+                                     const std::vector<MethodInfo>& methods) {
+  std::vector<PlannedCell> cells;
+  if (!experiment.timing) return cells;
+  int group = 0;
+  for (const NamedValues& point : cross(experiment.timing->axes)) {
+    for (const std::string& name : experiment.timing->methods) {
+      const MethodInfo& method = declared_method(methods, name);
+      ParameterSet parameters = common_parameters(experiment, method);
+      for (const auto& [parameter, value] : point) parameters.set(parameter, value);
+      cells.push_back({Role::test, name, std::move(parameters), group});
+    }
+    ++group;
+  }
+  return cells;
+}
+
+int select_group(const std::vector<PlannedCell>& cells, const std::string& method,
+                 const NamedValues& select) {
+  std::vector<const PlannedCell*> of_method;
+  std::vector<const PlannedCell*> selected;
+  std::vector<int> groups;
+  for (const PlannedCell& cell : cells) {
+    if (cell.method != method) continue;
+    of_method.push_back(&cell);
+    if (!matches(cell, select)) continue;
+    selected.push_back(&cell);
+    if (std::ranges::find(groups, cell.group) == groups.end()) groups.push_back(cell.group);
+  }
+  if (groups.size() == 1) return groups.front();
+  if (of_method.empty()) {
+    throw SelectionError(fmt::format("no [[run]] and no [reference] makes a cell of '{}'", method));
+  }
+
+  // Say what there is: the selected parameters where nothing matches, the differing ones where too
+  // much does.
+  std::vector<std::string> found;
+  for (const Parameter& parameter : of_method.front()->parameters.declared()) {
+    const auto value = [&](const PlannedCell* cell) {
+      return to_string(cell->parameters.value(parameter.name));
+    };
+    const bool named = std::ranges::any_of(
+        select, [&](const auto& wanted) { return wanted.first == parameter.name; });
+    const bool differs = std::ranges::any_of(
+        selected, [&](const PlannedCell* cell) { return value(cell) != value(selected.front()); });
+    if (groups.empty() ? named : differs && parameter.name != "seed") {
+      found.push_back(found_values(groups.empty() ? of_method : selected, parameter.name));
+    }
+  }
+  throw SelectionError(
+      groups.empty()
+          ? fmt::format("no cell of '{}' has these values; there are {}", method,
+                        fmt::join(found, ", "))
+          : fmt::format("{} groups of cells of '{}' match, which differ in {}; say which",
+                        groups.size(), method, fmt::join(found, ", ")));
+}
+
+}  // namespace occlab
