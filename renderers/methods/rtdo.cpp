@@ -9,7 +9,7 @@ namespace {
 
 const std::vector<std::string> estimator_words = {"mis", "cosine", "environment"};
 
-ReferenceSettings settings_of(const ParameterSet& parameters) {
+TraceSettings settings_of(const ParameterSet& parameters) {
   const auto index_of = [](const std::vector<std::string>& words, const std::string& word) {
     return int(std::ranges::find(words, word) - words.begin());
   };

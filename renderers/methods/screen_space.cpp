@@ -41,6 +41,8 @@ void use_program(const Frame& frame, const ParameterSet& parameters, const std::
                  const std::vector<GLenum>& formats) {
   const Program& program =
       frame.programs.get(fullscreen_vertex_shader, shader, preamble(frame, parameters, formats));
+  // Before use(): the first call draws the G-buffer with a program of its own.
+  const GBuffer& gbuffer = frame.gbuffer(gbuffer_bits(parameters));
   program.use();
   for (const Parameter& parameter : parameters.declared()) {
     if (parameter.kind == ParameterKind::real) {
@@ -51,7 +53,6 @@ void use_program(const Frame& frame, const ParameterSet& parameters, const std::
   program.set("focal_pixels", view.focal_pixels());
   program.set("image_center", 0.5f * glm::vec2(view.width, view.height));
   program.set("probe_from_view", frame.lighting.probe_from_view());
-  const GBuffer& gbuffer = frame.gbuffer(gbuffer_bits(parameters));
   Program::bind_texture(unit_position, gbuffer.position_view());
   Program::bind_texture(unit_normal, gbuffer.normal_view());
   Program::bind_texture(unit_albedo, gbuffer.albedo());

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <glm/gtc/constants.hpp>
 
+#include "renderers/scene/interrupt.h"
 #include "renderers/scene/parallel.h"
 #include "renderers/scene/punctual.h"
 #include "renderers/shared/equirect.h"
@@ -96,7 +97,7 @@ class PointSequence {
 
 class TileTracer {
  public:
-  TileTracer(const TracedScene& traced, const ReferenceSettings& settings, const ProbeTable& table,
+  TileTracer(const TracedScene& traced, const TraceSettings& settings, const ProbeTable& table,
              const EnvironmentSampler& sampler)
       : traced_(traced), settings_(settings), table_(table), sampler_(sampler) {
     rtcInitIntersectContext(&context_);
@@ -214,7 +215,7 @@ class TileTracer {
 
  private:
   const TracedScene& traced_;
-  const ReferenceSettings& settings_;
+  const TraceSettings& settings_;
   const ProbeTable& table_;
   const EnvironmentSampler& sampler_;
   RTCIntersectContext context_;
@@ -278,7 +279,7 @@ struct BatchStatistics {
 
 Reference trace_reference(const TracedScene& traced, const Environment& environment,
                           std::span<const Light> lights, const View& view,
-                          const SurfacePoints& points, const ReferenceSettings& settings) {
+                          const SurfacePoints& points, const TraceSettings& settings) {
   const EnvironmentSampler sampler(environment);
   const ProbeTable table = make_table(environment, sampler);
   const bool use_cosine = settings.estimator != Estimator::environment;
@@ -302,6 +303,7 @@ Reference trace_reference(const TracedScene& traced, const Environment& environm
   std::atomic<std::uint64_t> pixels_traced{0};
 
   parallel_for(std::size_t(tiles_y), [&](std::size_t tile_row) {
+    throw_if_interrupted();
     TileTracer tracer(traced, settings, table, sampler);
     tracer.set_reach(settings.d_max_world);
     for (int tile_column = 0; tile_column < tiles_x; ++tile_column) {

@@ -13,7 +13,7 @@ namespace occlab {
 /// How directions are drawn. All three estimate the same integral.
 enum class Estimator { mis, cosine, environment };
 
-struct ReferenceSettings {
+struct TraceSettings {
   long rays_per_pixel = 1024;  ///< rounded up to a whole number of rays for each of the batches
   Estimator estimator = Estimator::mis;
   std::uint64_t seed = 0;
@@ -52,7 +52,7 @@ struct Reference {
 /// independent samples; errors of pixels within a tile are correlated.
 Reference trace_reference(const TracedScene& traced, const Environment& environment,
                           std::span<const Light> lights, const View& view,
-                          const SurfacePoints& points, const ReferenceSettings& settings);
+                          const SurfacePoints& points, const TraceSettings& settings);
 
 /// Batches that give the variance of the mean.
 inline constexpr long reference_batches = 16;
