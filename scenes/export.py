@@ -1,6 +1,6 @@
 """Exports the open Blender scene to a binary glTF file for occlab.
 
-    blender --background --factory-startup --python-exit-code 3 [FILE.blend] \
+    blender --background --factory-startup --threads 1 --python-exit-code 3 [FILE.blend] \
         --python scenes/export.py -- OUT.glb
 
 FORMAT.md says what the file holds. Exit code 2: the scene cannot be exported rightly, each reason
@@ -8,6 +8,8 @@ on a line of its own on stderr; nothing is written. The file appears under its n
 complete. Warnings (what was lost although the picture stays usable) go to stderr and into the file.
 """
 
+import contextlib
+import io
 import math
 import os
 import pathlib
@@ -339,14 +341,18 @@ def write_atomically(path, data):
         temporary.unlink(missing_ok=True)
 
 
-def blender_export(path):
+def blender_export(path, warnings):
     """Blender's own exporter, with everything that is off by default and needed."""
-    bpy.ops.export_scene.gltf(
-        filepath=str(path), export_format="GLB", convert_lighting_mode="COMPAT",
-        export_cameras=True, export_lights=True, export_extras=True, export_apply=True,
-        use_active_scene=True, use_visible=True, use_renderable=True, export_colors=False,
-        export_animations=False, export_skins=False, export_morph=False)
+    said = io.StringIO()
     try:
+        with contextlib.redirect_stdout(said):
+            bpy.ops.export_scene.gltf(
+                filepath=str(path), export_format="GLB", convert_lighting_mode="COMPAT",
+                export_cameras=True, export_lights=True, export_extras=True, export_apply=True,
+                use_active_scene=True, use_visible=True, use_renderable=True, export_colors=False,
+                export_animations=False, export_skins=False, export_morph=False)
+        warnings += [f"Blender's exporter: {line.split('WARNING:', 1)[1].strip()}"
+                     for line in said.getvalue().splitlines() if "WARNING:" in line]
         return glb.parse(path.read_bytes())
     finally:
         path.unlink(missing_ok=True)
@@ -374,7 +380,8 @@ def export_scene(out):
     findings.stop_on_problems()
 
     expected = measure(blender_triangles())
-    document, blob = blender_export(out.with_name(f".{out.stem}.{os.getpid()}.glb"))
+    document, blob = blender_export(out.with_name(f".{out.stem}.{os.getpid()}.glb"),
+                                    findings.warnings)
     blob = glb.share_equal_meshes(document, blob)
     check_nothing_lost(expected, document, blob)
     if extras["world"] is None:

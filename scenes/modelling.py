@@ -6,7 +6,6 @@ to the .glb named on the command line.
 
 import math
 import pathlib
-import sys
 
 import bmesh
 import bpy
@@ -28,8 +27,9 @@ def begin():
 
 def finish():
     """Exports to the path after `--`."""
-    if "--" not in sys.argv or len(sys.argv) != sys.argv.index("--") + 2:
-        raise SystemExit("usage: blender ... --python build.py -- OUT.glb")
+    for thing in bpy.context.scene.objects:
+        if thing.type == "CAMERA" and thing.name != thing.data.name:
+            raise ValueError(f"another object took the name of camera '{thing.data.name}'")
     export.main()
 
 

@@ -1,6 +1,6 @@
 """Builds the stand-in for the scene of the S3HO paper's Figure 7: a sculpture gallery, all white.
 
-    blender --background --factory-startup --python-exit-code 3 \
+    blender --background --factory-startup --threads 1 --python-exit-code 3 \
         --python scenes/gallery/build.py -- scenes/gallery/gallery.glb
 
 A room 6 m wide without ceiling, open towards the camera and to the right, so that a probe lights
@@ -62,9 +62,9 @@ def relief_height(x, y):
     outer = 0.36 * (0.76 + 0.24 * abs(math.cos(4.0 * angle + math.pi / 2)))
     height = 0.050 * bump(radius, 0.085)
     height = max(height, 0.042 * bump(radius - 0.62 * inner, 0.40 * inner)
-                 * (0.75 + 0.25 * math.cos(32.0 * angle)))
+                 * (0.75 + 0.25 * math.cos(16.0 * angle)))
     height = max(height, 0.036 * bump(radius - 0.74 * outer, 0.27 * outer)
-                 * (0.80 + 0.20 * math.cos(48.0 * angle)))
+                 * (0.80 + 0.20 * math.cos(40.0 * angle)))
     # A rope round it, four bosses in the corners with tendrils, and a moulded frame.
     height = max(height, 0.034 * bump(radius - 0.425, 0.030)
                  * (0.72 + 0.28 * math.sin(40.0 * angle + 90.0 * (radius - 0.425))))
@@ -78,7 +78,7 @@ def relief_height(x, y):
 
 def relief(white):
     """A carved panel, hung on the back wall."""
-    size, steps = 1.2, 168
+    size, steps = 1.2, 176
     side = [size * (i / steps - 0.5) for i in range(steps + 1)]
     vertices = [(x, -0.03 - relief_height(x, z), z) for z in side for x in side]
     faces = [(row * (steps + 1) + i, row * (steps + 1) + i + 1,
@@ -96,7 +96,7 @@ def relief(white):
               for i in range(count)]
     faces.append(tuple(range(base + count - 1, base - 1, -1))[::-1])
     mesh = m.smooth_by_angle(m.mesh_of("relief", vertices, faces), 60.0)
-    m.add("relief", mesh, white, location=(-1.55, 3.0, 1.35))
+    m.add("carved panel", mesh, white, location=(-1.55, 3.0, 1.35))
 
 
 def steps_and_columns(white):
@@ -154,14 +154,15 @@ def steps_and_columns(white):
 def blob(white):
     """A reclining figure of metaballs on a round plinth."""
     data = bpy.data.metaballs.new("figure")
-    data.resolution = data.render_resolution = 0.021
+    data.resolution = data.render_resolution = 0.022
     data.threshold = 0.5
-    for x, y, z, radius in ((-0.30, 0.00, 0.16, 0.30), (-0.08, 0.04, 0.20, 0.26),
-                            (0.14, -0.02, 0.28, 0.27), (0.30, 0.02, 0.46, 0.24),
-                            (0.33, 0.00, 0.66, 0.20), (0.22, -0.02, 0.80, 0.20),
-                            (0.05, 0.00, 0.84, 0.17), (-0.10, 0.03, 0.76, 0.16),
-                            (-0.22, 0.03, 0.62, 0.16), (-0.33, 0.02, 0.46, 0.18),
-                            (-0.36, -0.02, 0.30, 0.19), (0.36, 0.06, 0.16, 0.20)):
+    for x, y, z, radius in ((-0.28, 0.00, 0.16, 0.33), (-0.06, 0.05, 0.17, 0.33),
+                            (0.16, 0.00, 0.22, 0.35), (0.29, 0.02, 0.40, 0.32),
+                            (0.31, 0.00, 0.58, 0.28), (0.25, -0.01, 0.73, 0.25),
+                            (0.13, 0.00, 0.83, 0.23), (-0.01, 0.02, 0.82, 0.20),
+                            (-0.12, 0.04, 0.72, 0.18), (-0.20, 0.04, 0.60, 0.18),
+                            (-0.29, 0.02, 0.47, 0.21), (-0.34, -0.01, 0.31, 0.25),
+                            (0.13, 0.02, 1.02, 0.24), (0.42, 0.06, 0.14, 0.26)):
         ball = data.elements.new()
         ball.co, ball.radius = (x, y, z), radius
     thing = bpy.data.objects.new("figure", data)
@@ -195,24 +196,24 @@ def bust(white):
     remesh.mode, remesh.voxel_size, remesh.use_smooth_shade = "VOXEL", 0.016, True
     smooth = thing.modifiers.new("smooth", "SMOOTH")
     smooth.factor, smooth.iterations = 0.5, 3
-    thing.location, thing.scale = (-0.05, 3.02, 1.20), (0.62, 0.62, 0.62)
-    thing.rotation_euler = Euler((math.radians(-8.0), 0.0, math.radians(14.0)))
+    thing.location, thing.scale = (-0.05, 3.17, 1.20), (0.62, 0.62, 0.62)
+    thing.rotation_euler = Euler((math.radians(-28.0), 0.0, math.radians(10.0)))
     m.add("bust pedestal", m.lathe_mesh("bust pedestal", [
         (0.20, 0.70 - SINK), (0.20, 0.75), (0.17, 0.77), (0.12, 0.80), (0.105, 0.86),
-        (0.12, 0.92), (0.16, 0.95), (0.16, 1.0)], 64), white, location=(-0.05, 3.02, 0.0))
+        (0.12, 0.92), (0.16, 0.95), (0.16, 1.0)], 64), white, location=(-0.05, 3.21, 0.0))
 
 
 def solids(white):
     """Small things on the floor, whose contact shadows face every way."""
     ball = m.sphere_mesh("ball", 1.0, 5)
-    for x, y, radius in ((-2.15, 1.15, 0.30), (-0.02, 0.28, 0.16), (0.42, 1.75, 0.22)):
+    for x, y, radius in ((-2.52, 0.72, 0.25), (-0.14, 0.30, 0.16), (-0.18, 1.80, 0.22)):
         m.add("ball", ball, white, location=(x, y, radius - SINK), scale=radius)
 
     def ring(t):
         return 0.29 * math.cos(2 * math.pi * t), 0.29 * math.sin(2 * math.pi * t), 0.0
 
     torus = m.tube_mesh("torus", ring, 0.095, 32, 96)
-    m.add("torus", torus, white, location=(0.55, 0.62, 0.095 - SINK))
+    m.add("torus", torus, white, location=(0.46, 0.52, 0.095 - SINK))
 
     def knot(t):
         a = 2 * math.pi * t
@@ -220,30 +221,30 @@ def solids(white):
         return r * math.cos(2 * a), r * math.sin(2 * a), 0.15 * math.sin(3 * a)
 
     m.add("knot", m.tube_mesh("knot", knot, 0.062, 24, 320), white,
-          location=(1.62, 0.42, 0.212 - SINK), rotation_z=25.0)
+          location=(1.52, 0.28, 0.212 - SINK), rotation_z=25.0)
 
     for name, size, location, turn in (
-            ("low box", (0.30, 0.22, 0.30), (-2.35, 2.05, 0.0), 24.0),
-            ("tall box", (0.15, 0.15, 0.62), (-1.90, 2.28, 0.0), -12.0),
-            ("leaning box", (0.20, 0.14, 0.16), (-1.58, 0.42, 0.0), 38.0)):
+            ("low box", (0.30, 0.22, 0.30), (-1.86, 0.42, 0.0), 24.0),
+            ("tall box", (0.15, 0.15, 0.58), (0.66, 1.50, 0.0), -12.0),
+            ("flat box", (0.20, 0.14, 0.16), (-1.20, -0.10, 0.0), 38.0)):
         x, y, z = size
         mesh = m.box_mesh(name, (-x, -y, -SINK), (x, y, z))
         bevelled(m.add(name, mesh, white, location=location, rotation_z=turn), 0.008)
     bevelled(m.add("upper box", m.box_mesh("upper box", (-0.16, -0.13, -SINK), (0.16, 0.13, 0.22)),
-                   white, location=(-2.38, 2.03, 0.30), rotation_z=58.0), 0.008)
+                   white, location=(-1.90, 0.40, 0.30), rotation_z=58.0), 0.008)
 
-    # A vase, hollow, on the lowest step's left; its wall is a closed skin.
+    # A vase, hollow: its wall is a closed skin.
     outside = [(0.085, -SINK), (0.10, 0.02), (0.155, 0.10), (0.185, 0.19), (0.175, 0.28),
                (0.125, 0.36), (0.085, 0.41), (0.080, 0.45), (0.115, 0.50)]
     inside = [(radius - 0.018, height) for radius, height in reversed(outside[1:-1])]
     m.add("vase", m.lathe_mesh("vase", [*outside, (0.105, 0.505), *inside], 72, 50.0), white,
-          location=(0.55, 2.55, 0.0), scale=1.25)
+          location=(0.34, 2.58, 0.0), scale=1.25)
 
 
 def cameras():
-    m.camera("main", (1.60, -5.40, 2.20), (-0.22, 1.00, 0.90), 46.0)
+    m.camera("main", (1.70, -5.30, 2.30), (-0.08, 1.00, 0.84), 43.0)
     m.camera("corner", (-1.55, 0.45, 1.35), (-2.75, 2.75, 0.28), 48.0)
-    m.camera("relief", (-0.75, 1.25, 1.60), (-1.50, 3.00, 1.35), 46.0)
+    m.camera("relief", (-1.15, 1.70, 1.62), (-1.52, 3.00, 1.33), 56.0)
 
 
 m.begin()
