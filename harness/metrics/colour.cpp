@@ -14,6 +14,12 @@ double lab_response(double t) {
   return t > delta * delta * delta ? std::cbrt(t) : t / (3.0 * delta * delta) + 4.0 / 29.0;
 }
 
+template <typename T>
+T encode(T linear) {
+  return linear <= T(0.0031308) ? T(12.92) * linear
+                                : T(1.055) * std::pow(linear, T(1.0 / 2.4)) - T(0.055);
+}
+
 double power_7(double x) {
   const double cube = x * x * x;
   return cube * cube * x;
@@ -28,9 +34,8 @@ double hue_degrees(double a, double b) {
 
 }  // namespace
 
-double srgb_encode(double linear) {
-  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
-}
+double srgb_encode(double linear) { return encode(linear); }
+float srgb_encode(float linear) { return encode(linear); }
 
 Xyz rgb_to_xyz(const Rgb& rgb) {
   return {0.4124 * rgb[0] + 0.3576 * rgb[1] + 0.1805 * rgb[2], luminance(rgb),

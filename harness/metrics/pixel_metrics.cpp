@@ -171,7 +171,7 @@ Measured measure_delta_uv_shadow(const PreparedPair& pair) {
   return shadow_mean(pair, [&](std::size_t i) {
     const Chromaticity x = xyz_to_uv(rgb_to_xyz(colour_at(pair.test, i)));
     const Chromaticity r = xyz_to_uv(rgb_to_xyz(colour_at(pair.reference, i)));
-    return std::hypot(x.u - r.u, x.v - r.v);
+    return std::sqrt(squared(x.u - r.u) + squared(x.v - r.v));
   });
 }
 

@@ -39,7 +39,7 @@ Displayed displayed(const PreparedPair& pair, const Planes& radiance, double exp
       Rgb rgb = colour_at(radiance, i);
       for (std::size_t c = 0; c < 3; ++c) {
         rgb[c] = std::clamp(rgb[c] * exposure, 0.0, 1.0);
-        result.srgb[c][i] = static_cast<float>(srgb_encode(rgb[c]));
+        result.srgb[c][i] = srgb_encode(static_cast<float>(rgb[c]));
       }
       const Lab lab = xyz_to_lab(rgb_to_xyz(rgb));
       result.lab[0][i] = static_cast<float>(lab.l);

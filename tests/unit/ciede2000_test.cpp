@@ -67,6 +67,7 @@ TEST(Colour, SrgbEncoding) {
   EXPECT_NEAR(srgb_encode(0.002), 0.02584, 1e-12);
   EXPECT_NEAR(srgb_encode(0.5), 0.735356983052449, 1e-12);
   EXPECT_NEAR(srgb_encode(0.18), 0.461356129500442, 1e-12);
+  EXPECT_NEAR(srgb_encode(0.5f), 0.735356983052449, 1e-7);
   EXPECT_NEAR(srgb_encode(0.0031308), srgb_encode(0.00313081), 1e-6);
 }
 
