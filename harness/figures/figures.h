@@ -1,0 +1,100 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "harness/config.h"
+#include "harness/figures/colour_maps.h"
+#include "harness/figures/tone_map.h"
+#include "harness/metrics/metrics.h"
+#include "renderers/scene/image.h"
+
+namespace occlab {
+
+// Figures as in a paper: from images to one display-referred sRGB image with three channels in
+// [0, 1], for write_png. They know no method and read no file but the font.
+//
+// All throw InputError for a figure without panels, images of different sizes or other numbers of
+// channels than stated, values of a shown image outside [0, 1], and rectangles that are empty or
+// leave the frame; DeviceError without the font (Debian's fonts-dejavu-core) or without an
+// OpenImageIO that draws text.
+
+/// A method's image in a figure.
+struct Panel {
+  std::string label;
+  DisplayColour colour = frame_colour(0);  ///< of its frame and label
+  Image image;                             ///< three channels, display-referred: see tone_map
+};
+
+struct ComparisonFigure {
+  std::string title;          ///< one line or more; may be empty
+  std::vector<Panel> panels;  ///< all of one size
+  std::string caption;        ///< wrapped to the figure's width; '\n' starts a paragraph
+};
+
+/// Panels pixel by pixel in two columns (Fig. 7 of the S3HO paper), each in its colour.
+Image comparison_figure(const ComparisonFigure& figure);
+
+struct CloseupFigureRow {
+  std::string label;
+  std::string note;           ///< what else the row's cells share, such as "N = 32, S = 2"
+  Rectangle rectangle;        ///< pixels, inside the frame
+  std::vector<Image> images;  ///< a full frame for each column; display-referred, three channels
+};
+
+struct CloseupColumn {
+  std::string label;
+  DisplayColour colour = frame_colour(0);
+};
+
+struct CloseupFigure {
+  std::string title;
+  Image overview;  ///< the frame that the rectangles are drawn into and numbered; as `images`
+  std::vector<CloseupColumn> columns;
+  std::vector<CloseupFigureRow> rows;
+  std::string caption;
+  int magnification = 3;  ///< screen pixels a frame pixel in the largest rectangle, 1 to 16
+};
+
+/// Rows of closeups, a column a method (Fig. 8), below the overview. All cells have one size, that
+/// of the largest rectangle's closeup; a smaller rectangle is magnified as many whole times as fit,
+/// and its row says how many where rows differ. Every frame pixel stays a square of one colour.
+Image closeup_figure(const CloseupFigure& figure);
+
+/// The image with numbered outlines, 1, 2, ... in the order given; outlines lie outside of the
+/// rectangles where the frame leaves room, so that what is shown enlarged stays visible.
+Image draw_rectangles(const Image& image, const std::vector<Rectangle>& rectangles);
+
+/// The rectangle of an image, every pixel repeated `magnification` times each way.
+Image crop(const Image& image, const Rectangle& rectangle, int magnification = 1);
+
+struct ErrorPanel {
+  std::string label;
+  DisplayColour colour = frame_colour(0);
+  Image error;  ///< one channel, from error_map() of the figure's kind
+};
+
+struct ErrorFigure {
+  std::string title;
+  ErrorMap kind = ErrorMap::signed_luminance;
+  double scale = 0.0;  ///< the error at the end of the colour scale; positive
+  Image mask;          ///< one channel; the statistics are over where it exceeds 0.5
+  std::vector<ErrorPanel> panels;
+  std::string caption;
+};
+
+/// What stands under a panel of an error figure. Means are over the finite errors of the mask; they
+/// are NaN if there is none.
+struct ErrorSummary {
+  double mean = 0.0;
+  double mean_absolute = 0.0;
+  double beyond_scale = 0.0;   ///< fraction of finite errors that the colour scale cuts off
+  std::size_t not_finite = 0;  ///< pixels
+};
+ErrorSummary summarize_error(const Image& error, const Image& mask, double scale);
+
+/// Error maps in two columns on one fixed scale, printed as a colour bar with its numbers and unit;
+/// under each its mean error, and what the scale cuts off.
+Image error_figure(const ErrorFigure& figure);
+
+}  // namespace occlab
