@@ -1,6 +1,6 @@
 """Exports the open Blender scene to a binary glTF file for occlab.
 
-    blender --background --factory-startup --threads 1 --python-exit-code 3 [FILE.blend] \
+    blender --background --factory-startup --python-exit-code 3 [FILE.blend] \
         --python scenes/export.py -- OUT.glb
 
 FORMAT.md says what the file holds. Exit code 2: the scene cannot be exported rightly, each reason
@@ -16,16 +16,16 @@ import pathlib
 import sys
 
 import bpy
-import numpy
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import carried  # noqa: E402
+import geometry_check  # noqa: E402
 import glb  # noqa: E402
+import surfaces  # noqa: E402
 from carried import Refusal, rounded, source  # noqa: E402
 
 FORMAT = 1
-SURFACES = ("MESH", "CURVE", "SURFACE", "FONT")  # what Blender's exporter turns into meshes
 LOST_SURFACES = ("META", "VOLUME", "GPENCIL", "CURVES", "POINTCLOUD")
 
 
@@ -76,7 +76,12 @@ def show_as_rendered(scene):
 
 
 def rendered_objects():
-    return [thing for thing in bpy.context.view_layer.objects if thing.visible_get()]
+    """The objects that get rendered, those inside instanced collections included, each once."""
+    things = {thing.name_full: thing for thing in bpy.context.view_layer.objects
+              if thing.visible_get()}
+    for instance in bpy.context.evaluated_depsgraph_get().object_instances:
+        things.setdefault(instance.object.original.name_full, instance.object.original)
+    return list(things.values())
 
 
 def name_data_after_object(things):
@@ -150,7 +155,7 @@ def _fold_light_nodes(thing):
 
 
 def check_objects(scene, things, findings):
-    if not any(thing.type in SURFACES for thing in things):
+    if not any(thing.type in surfaces.KINDS for thing in things):
         findings.problems.append("no mesh: nothing in the scene is rendered as a surface")
     for thing in things:
         if thing.type in LOST_SURFACES:
@@ -172,161 +177,6 @@ def check_objects(scene, things, findings):
     if len(bpy.data.scenes) > 1:
         findings.warnings.append(f"only scene '{scene.name}' is exported, of "
                                  f"{len(bpy.data.scenes)}")
-
-
-def take_materials(things, findings):
-    """Gives every surface a material that glTF can say."""
-    default = None
-    used = {}
-    for thing in things:
-        if thing.type not in SURFACES:
-            continue
-        if not thing.material_slots or any(slot.material is None for slot in thing.material_slots):
-            # Blender renders a surface without a material as a Diffuse BSDF of 0.8; glTF as metal.
-            default = default or _principled(bpy.data.materials.new("default"), 0.8, None)
-            if not thing.material_slots:
-                thing.data.materials.append(default)
-            for slot in thing.material_slots:
-                slot.material = slot.material or default
-        for slot in thing.material_slots:
-            used[slot.material.name] = slot.material
-    for _, material in sorted(used.items()):
-        findings.of(_take_material, material, findings.warnings)
-
-
-def _take_material(material, warnings):
-    where = f"material '{material.name}'"
-    if not material.use_nodes:
-        _principled(material, material.diffuse_color[:3], None)
-        return
-    output = material.node_tree.get_output_node("CYCLES")
-    shader, _ = source(output.inputs["Surface"]) if output else (None, None)
-    if shader is None or shader.type not in ("BSDF_DIFFUSE", "BSDF_PRINCIPLED"):
-        found = "nothing" if shader is None else f"a {shader.bl_label} node"
-        raise Refusal(f"{where}: its surface is {found}; occlab takes a Diffuse BSDF or a "
-                      "Principled BSDF")
-    if output.inputs["Displacement"].is_linked:
-        warnings.append(f"{where}: its displacement is not exported")
-    if shader.inputs["Normal"].is_linked:
-        warnings.append(f"{where}: its normal or bump map is not rendered")
-    diffuse = shader.type == "BSDF_DIFFUSE"
-    colour = shader.inputs["Color" if diffuse else "Base Color"]
-    texture, _ = source(colour)
-    if texture is not None:
-        _check_texture(texture, where)
-    elif any(not 0.0 <= channel <= 1.0 for channel in colour.default_value[:3]):
-        raise Refusal(f"{where}: colour {list(map(rounded, colour.default_value[:3]))}; an albedo "
-                      "lies in [0, 1]")
-    if diffuse:
-        if shader.inputs["Roughness"].is_linked or shader.inputs["Roughness"].default_value > 0:
-            warnings.append(f"{where}: its Oren-Nayar roughness is rendered as 0 (Lambert)")
-        _principled(material, colour.default_value[:3], texture)
-        return
-    for name, lambert in (("Metallic", 0.0), ("Transmission", 0.0), ("Subsurface", 0.0),
-                          ("Sheen", 0.0), ("Clearcoat", 0.0), ("Alpha", 1.0)):
-        if shader.inputs[name].is_linked or shader.inputs[name].default_value != lambert:
-            warnings.append(f"{where}: {name} is ignored; occlab renders the base colour as "
-                            "Lambertian and opaque")
-    emits = [shader.inputs["Emission"], shader.inputs["Emission Strength"]]
-    if all(each.is_linked for each in emits) or (
-            (emits[0].is_linked or any(emits[0].default_value[:3]))
-            and (emits[1].is_linked or emits[1].default_value != 0)):
-        warnings.append(f"{where}: its emission is ignored; occlab renders no glowing surfaces")
-
-
-def _check_texture(texture, where):
-    if texture.type != "TEX_IMAGE":
-        raise Refusal(f"{where}: its colour comes from a {texture.bl_label} node; occlab takes a "
-                      "constant or an Image Texture (bake it)")
-    if texture.image is None or not texture.image.has_data and not texture.image.size[0]:
-        raise Refusal(f"{where}: its Image Texture has no image, or the file is missing")
-    coordinates, output = source(texture.inputs["Vector"])
-    if coordinates is not None and coordinates.type != "UVMAP" and (
-            (coordinates.type, output.name) != ("TEX_COORD", "UV")):
-        raise Refusal(f"{where}: its Image Texture is placed by {coordinates.bl_label} "
-                      f"'{output.name}'; occlab takes UV coordinates, unmapped")
-
-
-def _principled(material, colour, texture):
-    """Makes the material a matt Principled BSDF, which glTF's exporter understands."""
-    if material.library is not None:
-        raise Refusal(f"material '{material.name}': linked from {material.library.filepath}; "
-                      "make it local (Object, Relations, Make Local)")
-    material.use_nodes = True
-    tree = material.node_tree
-    for node in [node for node in tree.nodes if node.type in ("OUTPUT_MATERIAL", "BSDF_PRINCIPLED",
-                                                             "BSDF_DIFFUSE")]:
-        tree.nodes.remove(node)
-    shader = tree.nodes.new("ShaderNodeBsdfPrincipled")
-    output = tree.nodes.new("ShaderNodeOutputMaterial")
-    tree.links.new(shader.outputs["BSDF"], output.inputs["Surface"])
-    rgb = [colour] * 3 if isinstance(colour, float) else list(colour)
-    shader.inputs["Base Color"].default_value = (*rgb, 1.0)
-    shader.inputs["Roughness"].default_value = 1.0
-    if texture is not None:
-        tree.links.new(texture.outputs["Color"], shader.inputs["Base Color"])
-    return material
-
-
-def measure(triangle_sets):
-    """Count, area and area-weighted centroid (glTF axes) of (local triangles, world matrix) pairs.
-
-    Three numbers that a lost object, a sheared matrix or a misplaced instance would change.
-    """
-    count, area, moment = 0, 0.0, numpy.zeros(3)
-    for triangles, matrix in triangle_sets:
-        world = triangles @ matrix[:3, :3].T + matrix[:3, 3]
-        areas = 0.5 * numpy.linalg.norm(
-            numpy.cross(world[:, 1] - world[:, 0], world[:, 2] - world[:, 0]), axis=1)
-        count += len(world)
-        area += areas.sum()
-        moment += (areas[:, None] * world.mean(axis=1)).sum(axis=0)
-    return count, area, moment / area if area > 0 else moment
-
-
-def blender_triangles():
-    """What Blender would render, as `measure` takes it."""
-    to_gltf = numpy.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]], float)
-    cache = {}
-    for instance in bpy.context.evaluated_depsgraph_get().object_instances:
-        thing = instance.object
-        if thing.type not in SURFACES or not instance.show_self:
-            continue
-        key = thing.original.name_full
-        if key not in cache:
-            mesh = thing.to_mesh()
-            mesh.calc_loop_triangles()
-            points = numpy.empty(3 * len(mesh.vertices), numpy.float32)
-            corners = numpy.empty(3 * len(mesh.loop_triangles), numpy.int32)
-            mesh.vertices.foreach_get("co", points)
-            mesh.loop_triangles.foreach_get("vertices", corners)
-            cache[key] = points.reshape(-1, 3).astype(float)[corners.reshape(-1, 3)]
-            thing.to_mesh_clear()
-        yield cache[key], to_gltf @ numpy.array(instance.matrix_world, float)
-
-
-def gltf_triangles(document, blob):
-    for node, matrix in glb.placed_nodes(document):
-        if "mesh" not in node:
-            continue
-        for primitive in document["meshes"][node["mesh"]]["primitives"]:
-            points = numpy.array(glb.accessor_values(document, blob,
-                                                     primitive["attributes"]["POSITION"]))
-            corners = numpy.array(glb.accessor_values(document, blob, primitive["indices"]))
-            yield (points.reshape(-1, 3).astype(float)[corners.reshape(-1, 3)],
-                   numpy.array(matrix, float))
-
-
-def check_nothing_lost(expected, document, blob):
-    found = measure(gltf_triangles(document, blob))
-    size = math.sqrt(expected[1]) + numpy.abs(expected[2]).max()
-    if found[0] != expected[0] or abs(found[1] - expected[1]) > 1e-4 * expected[1] or (
-            numpy.abs(found[2] - expected[2]).max() > 1e-4 * size):
-        raise Refusal(
-            f"the exported geometry is not the rendered one: {found[0]} triangles of area "
-            f"{found[1]:.6g}, where Blender renders {expected[0]} of area {expected[1]:.6g}. "
-            "Usual causes: an object sheared by its parent's unequal scale (apply the scale), or "
-            "an object hidden inside an instanced collection")
 
 
 def write_atomically(path, data):
@@ -376,14 +226,15 @@ def export_scene(out):
               "resolution": findings.of(carried.resolution, scene),
               "world": findings.of(carried.world, scene, out, findings.warnings),
               "lights": take_lights(lights, findings)}
-    take_materials(things, findings)
+    surfaces.take_materials(things, findings)
     findings.stop_on_problems()
 
-    expected = measure(blender_triangles())
+    surfaces.make_normals_repeatable(things)
+    expected = geometry_check.measure(geometry_check.blender_triangles())
     document, blob = blender_export(out.with_name(f".{out.stem}.{os.getpid()}.glb"),
                                     findings.warnings)
     blob = glb.share_equal_meshes(document, blob)
-    check_nothing_lost(expected, document, blob)
+    geometry_check.check_nothing_lost(expected, document, blob)
     if extras["world"] is None:
         del extras["world"]
     extras["warnings"] = findings.warnings

@@ -1,6 +1,6 @@
 """Builds the stand-in for the scene of the S3HO paper's Figure 7: a sculpture gallery, all white.
 
-    blender --background --factory-startup --threads 1 --python-exit-code 3 \
+    blender --background --factory-startup --python-exit-code 3 \
         --python scenes/gallery/build.py -- scenes/gallery/gallery.glb
 
 A room 6 m wide without ceiling, open towards the camera and to the right, so that a probe lights
@@ -41,7 +41,7 @@ def room(white):
     arc = [(radius * math.cos(a), spring + radius * math.sin(a))
            for a in (math.pi / 2 * i / 16 for i in range(16))]
     profile = [(radius, sill), *arc, (0.004, spring + radius)]
-    cutter = m.add("niche", m.lathe_mesh("niche", profile, 48), location=(-0.05, 3.0, 0.0))
+    cutter = m.add("niche", m.lathe_mesh("niche", profile, 48), white, location=(-0.05, 3.0, 0.0))
     cut = wall.modifiers.new("niche", "BOOLEAN")
     cut.object, cut.solver = cutter, "EXACT"
     m.smooth_by_angle(wall.data, 30.0)
@@ -94,7 +94,7 @@ def relief(white):
     count = len(border)
     faces += [(border[i], base + i, base + (i + 1) % count, border[(i + 1) % count])
               for i in range(count)]
-    faces.append(tuple(range(base + count - 1, base - 1, -1))[::-1])
+    faces.append(tuple(range(base + count - 1, base - 1, -1)))
     mesh = m.smooth_by_angle(m.mesh_of("relief", vertices, faces), 60.0)
     m.add("carved panel", mesh, white, location=(-1.55, 3.0, 1.35))
 
@@ -110,7 +110,6 @@ def steps_and_columns(white):
     vertices = [(x, y, z) for x in (left, right) for y, z in outline]
     faces = [(i, i + count, (i + 1) % count + count, (i + 1) % count) for i in range(count)]
     faces += [tuple(range(count)), tuple(range(2 * count - 1, count - 1, -1))]
-    faces = [tuple(reversed(face)) for face in faces]
     bevelled(m.add("steps", m.mesh_of("steps", vertices, faces), white), 0.012)
 
     # A column: plinth, base of two tori, fluted shaft with entasis, echinus, abacus.
@@ -133,17 +132,11 @@ def steps_and_columns(white):
     column = m.lathe_mesh("column", profile, 160, 40.0, fluted)
     plinth = m.box_mesh("plinth", (-0.215, -0.215, -SINK), (0.215, 0.215, 0.08))
     abacus = m.box_mesh("abacus", (-0.215, -0.215, 1.48), (0.215, 0.215, 1.56))
-    for mesh in (plinth, abacus):  # applied now, so that the columns share one mesh
-        sample = bevelled(m.add(mesh.name, mesh, white), 0.008)
-        m.apply_modifiers(sample)
-        if mesh is plinth:
-            plinth = sample.data
-        else:
-            abacus = sample.data
-        bpy.data.objects.remove(sample)
     for number, (x, y) in enumerate(((1.28, 2.02), (2.55, 2.02), (1.28, 2.72), (2.55, 2.72))):
         for mesh in (plinth, column, abacus):
-            m.add(f"{mesh.name} {number + 1}", mesh, white, location=(x, y, 3 * rise))
+            part = m.add(f"{mesh.name} {number + 1}", mesh, white, location=(x, y, 3 * rise))
+            if mesh is not column:
+                bevelled(part, 0.008)
     top = 3 * rise + 1.56
     bevelled(m.add("architrave", m.box_mesh(
         "architrave", (1.02, 1.80, top - SINK), (2.85, 3.05, top + 0.20)), white), 0.01)

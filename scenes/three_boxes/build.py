@@ -1,7 +1,7 @@
 """Builds the scene of the S3HO paper's Figure 5: a plane, three boxes, a pink light from the left
 and a turquoise one from the right.
 
-    blender --background --factory-startup --threads 1 --python-exit-code 3 \
+    blender --background --factory-startup --python-exit-code 3 \
         --python scenes/three_boxes/build.py -- scenes/three_boxes/three_boxes.glb
 """
 
