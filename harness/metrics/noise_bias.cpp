@@ -67,21 +67,24 @@ std::vector<PairMoments> pair_moments(const RunStatistics& runs, std::span<const
     for (int j = i + 1; j < runs.runs(); ++j) pairs.push_back({i, j});
   }
   const double factor = scale * scale / static_cast<double>(reference.size());
-  for_each_row(static_cast<int>(pairs.size()), [&](int index) {
-    PairMoments& pair = pairs[static_cast<std::size_t>(index)];
-    const std::span<const float> a = runs.run(pair.first);
-    const std::span<const float> b = runs.run(pair.second);
-    double distance = 0.0;
-    double product = 0.0;
-    for (std::size_t v = 0; v < reference.size(); ++v) {
-      const double ea = double(a[v]) - double(reference[v]);
-      const double eb = double(b[v]) - double(reference[v]);
-      distance += (ea - eb) * (ea - eb);
-      product += ea * eb;
-    }
-    pair.distance = factor * distance;
-    pair.product = factor * product;
-  });
+  for_each_row(
+      static_cast<int>(pairs.size()),
+      [&](int index) {
+        PairMoments& pair = pairs[static_cast<std::size_t>(index)];
+        const std::span<const float> a = runs.run(pair.first);
+        const std::span<const float> b = runs.run(pair.second);
+        double distance = 0.0;
+        double product = 0.0;
+        for (std::size_t v = 0; v < reference.size(); ++v) {
+          const double ea = double(a[v]) - double(reference[v]);
+          const double eb = double(b[v]) - double(reference[v]);
+          distance += (ea - eb) * (ea - eb);
+          product += ea * eb;
+        }
+        pair.distance = factor * distance;
+        pair.product = factor * product;
+      },
+      reference.size());
   return pairs;
 }
 

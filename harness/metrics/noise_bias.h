@@ -66,6 +66,11 @@ struct Estimate {
 /// and scenes are for the statistics over cells. The interval of the bias also holds the
 /// reference's own noise, taken as independent between pixels and, on the safe side, as fully
 /// correlated between channels.
+///
+/// Coverage of nominal 95% intervals, simulated with K = 8 and 16: noise and noise ratio 93-95%,
+/// whether pixels err independently or all alike; bias^2 95% and more for independent pixels, but
+/// down to 85% (its difference: 83%) where a run's error is one number for all pixels, about as
+/// large as the bias.
 struct NoiseBias {
   int runs = 0;
   std::size_t pixels = 0;
