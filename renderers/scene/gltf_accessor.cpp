@@ -123,11 +123,14 @@ std::size_t component_count(const JsonValue& accessor) {
   accessor.fail(fmt::format("type '{}'; accepted here: SCALAR, VEC2, VEC3, VEC4", type));
 }
 
-std::vector<std::uint32_t> load_indices(const JsonValue& place, const Elements& elements,
-                                        std::uint64_t type) {
+std::size_t index_size(const JsonValue& place, std::uint64_t type) {
   if (type != type_u8 && type != type_u16 && type != type_u32) {
     place.fail(fmt::format("componentType {}; accepted for indices: 5121, 5123, 5125", type));
   }
+  return component_size(place, type);
+}
+
+std::vector<std::uint32_t> load_indices(const Elements& elements, std::uint64_t type) {
   std::vector<std::uint32_t> indices(elements.count);
   if (type == type_u32 && elements.stride == 4) {
     std::memcpy(indices.data(), elements.first, indices.size() * 4);
@@ -196,9 +199,7 @@ std::vector<float> GltfFile::read_floats(std::size_t accessor, int components) c
     const JsonValue index_place = sparse->at("indices");
     const std::uint64_t index_type = index_place.at("componentType").unsigned_integer();
     const std::vector<std::uint32_t> indices = load_indices(
-        index_place,
-        locate(*this, index_place, sparse_count, component_size(index_place, index_type)),
-        index_type);
+        locate(*this, index_place, sparse_count, index_size(index_place, index_type)), index_type);
     const Elements elements = locate(*this, sparse->at("values"), sparse_count, width * size);
     for (std::size_t i = 0; i < indices.size(); ++i) {
       if (indices[i] >= count) {
@@ -217,7 +218,7 @@ std::vector<std::uint32_t> GltfFile::read_indices(std::size_t accessor) const {
   if (component_count(place) != 1) place.fail("indices must be of type SCALAR");
   if (place.find("sparse")) place.fail("sparse indices are not accepted");
   const std::uint64_t type = place.at("componentType").unsigned_integer();
-  return load_indices(place, locate(*this, place, count, component_size(place, type)), type);
+  return load_indices(locate(*this, place, count, index_size(place, type)), type);
 }
 
 }  // namespace occlab

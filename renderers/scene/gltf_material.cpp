@@ -17,24 +17,30 @@ float linear_from_srgb(float value) {
   return value <= 0.04045f ? value / 12.92f : std::pow((value + 0.055f) / 1.055f, 2.4f);
 }
 
-std::string image_extension(const JsonValue& place, std::span<const std::byte> bytes) {
+std::string image_format(const JsonValue& place, std::span<const std::byte> bytes) {
   const auto starts_with = [&](std::string_view magic) {
     return bytes.size() >= magic.size() &&
            std::memcmp(bytes.data(), magic.data(), magic.size()) == 0;
   };
   if (starts_with("\x89PNG")) return "png";
-  if (starts_with("\xff\xd8\xff")) return "jpg";
+  if (starts_with("\xff\xd8\xff")) return "jpeg";
   place.fail("not a PNG or JPEG image; only these are accepted");
 }
 
 /// A base colour texture as linear RGB. glTF 2.0 section 3.9.2: colour textures are sRGB.
 Image decode_color_texture(const JsonValue& place, std::span<const std::byte> bytes) {
   OIIO::Filesystem::IOMemReader reader(const_cast<std::byte*>(bytes.data()), bytes.size());
+  OIIO::Filesystem::IOProxy* proxy = &reader;
   OIIO::ImageSpec config;
+  config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
   config.attribute("oiio:UnassociatedAlpha", 1);  // alpha must not darken the colour
-  const auto input =
-      OIIO::ImageInput::open("texture." + image_extension(place, bytes), &config, &reader);
+  const std::string format = image_format(place, bytes);
+  const auto input = OIIO::ImageInput::create(format);
+  OIIO::ImageSpec opened;
   if (!input) place.fail(fmt::format("the image is unreadable: {}", OIIO::geterror()));
+  if (!input->open(format, opened, config)) {
+    place.fail(fmt::format("the image is damaged: {}", input->geterror()));
+  }
   const OIIO::ImageSpec& spec = input->spec();
   const int channels = spec.nchannels;
   std::vector<float> values(std::size_t(spec.width) * std::size_t(spec.height) *
