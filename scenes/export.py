@@ -17,6 +17,13 @@ import sys
 
 import bpy
 
+try:
+    import numpy  # noqa: F401  (Blender's own exporter needs it too, and says so less clearly)
+except ImportError:
+    print(f"occlab export: error: Blender's Python, in {sys.prefix}, has no numpy. Debian: install "
+          "python3-numpy, and see that PATH's first python3 is the system's", file=sys.stderr)
+    sys.exit(3)
+
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import carried  # noqa: E402
