@@ -18,11 +18,11 @@ inline constexpr DisplayColour figure_background = {0.5f, 0.5f, 0.5f};  ///< whe
 inline constexpr DisplayColour not_finite_colour = {1.0f, 0.0f, 1.0f};  ///< in no colour map
 
 /// Colours of frames and labels: red, green, blue and purple, as in the S3HO paper's Fig. 7 and 8,
-/// then grey and more. `index` is taken modulo the number of colours.
+/// then grey and three more. White text is legible on each. They repeat after the eighth.
 DisplayColour frame_colour(std::size_t index);
 
 /// One colour a name, in the order of first appearance over a report's figures, so that a method
-/// keeps its colour from figure to figure. Throws InputError for more names than colours.
+/// keeps its colour from figure to figure.
 std::map<std::string, DisplayColour> frame_colours(
     std::span<const std::vector<std::string>> names_of_figures);
 

@@ -58,7 +58,7 @@ struct CloseupFigure {
 
 /// Rows of closeups, a column a method (Fig. 8), below the overview. All cells have one size, that
 /// of the largest rectangle's closeup; a smaller rectangle is magnified as many whole times as fit,
-/// and its row says how many where rows differ. Every frame pixel stays a square of one colour.
+/// and each row says how many. Every frame pixel stays a square of one colour.
 Image closeup_figure(const CloseupFigure& figure);
 
 /// The image with numbered outlines, 1, 2, ... in the order given; outlines lie outside of the

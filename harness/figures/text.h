@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+
+#include "harness/figures/canvas.h"
+
+namespace occlab {
+
+enum class Weight { regular, bold };
+
+struct TextStyle {
+  int size = 16;  ///< pixels an em
+  Weight weight = Weight::regular;
+  DisplayColour colour = ink;
+  DisplayColour background = paper;
+};
+
+/// Pixels from the start of a line to the right edge of its ink. UTF-8. Throws DeviceError without
+/// the font or without an OpenImageIO that draws text, as does text_block.
+int text_width(const std::string& line, const TextStyle& style);
+
+/// The text in lines of at most `width` pixels, broken at spaces and '\n' (within a word where the
+/// word alone is wider); as wide as its widest line. An empty text is an empty image.
+Image text_block(const std::string& text, const TextStyle& style, int width);
+
+}  // namespace occlab
