@@ -1,4 +1,4 @@
-"""What the scenes' build.py scripts share. Runs inside Blender: metres, Z up, Y away from the camera.
+"""What the scenes' build.py scripts share. Inside Blender: metres, Z up, Y away from the camera.
 
 A build script empties Blender, models with these functions and ends with `finish`, which exports
 to the .glb named on the command line.

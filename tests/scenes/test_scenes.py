@@ -472,7 +472,8 @@ class Exporting(WithBlender):
         self.assertFalse((self.folder / "shifted.glb").exists())
 
         missing = run_blender(self.folder / "none.blend", *script, self.folder / "none.glb")
-        self.assertNotEqual(missing.returncode, 0)
+        self.assertEqual(missing.returncode, 1)
+        self.assertIn("none.blend", missing.stdout + missing.stderr)
         self.assertFalse((self.folder / "none.glb").exists())
 
     def test_an_output_that_cannot_be_written(self):
