@@ -1,6 +1,7 @@
 #include "harness/metrics/colour.h"
 
 #include <cmath>
+#include <complex>
 #include <numbers>
 
 namespace occlab {
@@ -87,10 +88,17 @@ double ciede2000(const Lab& first, const Lab& second) {
   }
 
   // (15)-(21)
-  const double t = 1.0 - 0.17 * std::cos((mean_h - 30.0) * radians) +
-                   0.24 * std::cos(2.0 * mean_h * radians) +
-                   0.32 * std::cos((3.0 * mean_h + 6.0) * radians) -
-                   0.20 * std::cos((4.0 * mean_h - 63.0) * radians);
+  // cos(k h + phase) as the real part of a product: one sine and cosine instead of four.
+  const std::complex<double> hue = std::polar(1.0, mean_h * radians);
+  const std::complex<double> hue_2 = hue * hue;
+  const auto cosine = [](std::complex<double> multiple, std::complex<double> phase) {
+    return multiple.real() * phase.real() - multiple.imag() * phase.imag();
+  };
+  static const std::complex<double> minus_30 = std::polar(1.0, -30.0 * radians);
+  static const std::complex<double> plus_6 = std::polar(1.0, 6.0 * radians);
+  static const std::complex<double> minus_63 = std::polar(1.0, -63.0 * radians);
+  const double t = 1.0 - 0.17 * cosine(hue, minus_30) + 0.24 * hue_2.real() +
+                   0.32 * cosine(hue_2 * hue, plus_6) - 0.20 * cosine(hue_2 * hue_2, minus_63);
   const double hue_offset = (mean_h - 275.0) / 25.0;
   const double rotation = 30.0 * std::exp(-hue_offset * hue_offset);
   const double prime_c7 = power_7(mean_c);
