@@ -60,20 +60,6 @@ std::string defect(const Measurement& m) {
   return "";
 }
 
-/// Every parameter once; one that is new stands after the one it follows in its row.
-std::vector<std::string> parameter_columns(const std::vector<Measurement>& measurements) {
-  std::vector<std::string> columns;
-  for (const Measurement& measurement : measurements) {
-    auto after = columns.begin();
-    for (const auto& [name, value] : measurement.parameters) {
-      auto found = std::ranges::find(columns, name);
-      if (found == columns.end()) found = columns.insert(after, name);
-      after = std::max(after, found + 1);
-    }
-  }
-  return columns;
-}
-
 std::string optional_text(const std::optional<double>& number) {
   return number ? number_text(*number) : "";
 }
@@ -150,6 +136,19 @@ Measurement parse_record(const CsvRecord& record, const std::vector<std::string>
 
 }  // namespace
 
+void merge_names(std::vector<std::string>& names,
+                 const std::vector<std::pair<std::string, std::string>>& values) {
+  std::ptrdiff_t after = 0;
+  for (const auto& [name, value] : values) {
+    std::ptrdiff_t place = std::ranges::find(names, name) - names.begin();
+    if (place == std::ssize(names)) {
+      place = after;
+      names.insert(names.begin() + place, name);
+    }
+    after = std::max(after, place + 1);
+  }
+}
+
 const std::string* find_parameter(const Measurement& measurement, std::string_view name) {
   for (const auto& [parameter, value] : measurement.parameters) {
     if (parameter == name) return &value;
@@ -158,7 +157,8 @@ const std::string* find_parameter(const Measurement& measurement, std::string_vi
 }
 
 std::string measurements_to_csv(const std::vector<Measurement>& measurements) {
-  const std::vector<std::string> parameters = parameter_columns(measurements);
+  std::vector<std::string> parameters;
+  for (const Measurement& m : measurements) merge_names(parameters, m.parameters);
   std::vector<std::string> header = head;
   for (const std::string& name : parameters) header.push_back(std::string(parameter_prefix) + name);
   header.insert(header.end(), tail.begin(), tail.end());

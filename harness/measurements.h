@@ -41,6 +41,11 @@ struct Measurement {
   bool operator==(const Measurement&) const = default;
 };
 
+/// Adds the names of `values` that are not in `names` yet, each after the one it follows in
+/// `values`: the order of columns.
+void merge_names(std::vector<std::string>& names,
+                 const std::vector<std::pair<std::string, std::string>>& values);
+
 /// The value of a parameter, nullptr if the measurement does not have it.
 const std::string* find_parameter(const Measurement& measurement, std::string_view name);
 

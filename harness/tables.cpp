@@ -69,14 +69,7 @@ struct Labels {
 
 Labels make_labels(const std::vector<Facts>& rows) {
   std::vector<std::string> names;
-  for (const Facts& facts : rows) {
-    auto after = names.begin();
-    for (const auto& [name, value] : facts) {
-      auto found = std::ranges::find(names, name);
-      if (found == names.end()) found = names.insert(after, name);
-      after = std::max(after, found + 1);
-    }
-  }
+  for (const Facts& facts : rows) merge_names(names, facts);
   Labels labels;
   std::vector<std::string> same;
   for (const std::string& name : names) {

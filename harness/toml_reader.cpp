@@ -240,7 +240,9 @@ void TomlTable::refuse_others(const std::vector<std::string>& more) const {
 void TomlTable::refuse_unknown(const std::string& name,
                                const std::vector<std::string>& more) const {
   std::vector<std::string> accepted = known_;
-  accepted.insert(accepted.end(), more.begin(), more.end());
+  for (const std::string& word : more) {
+    if (std::ranges::find(accepted, word) == accepted.end()) accepted.push_back(word);
+  }
   fail(name, "unknown" + accepted_words(name, accepted));
 }
 
