@@ -290,6 +290,33 @@ TEST(Sampler, SamplesFollowTheDensity) {
   EXPECT_LT(z, 4.0) << "chi-square " << chi_square << " with " << degrees << " degrees of freedom";
 }
 
+TEST(Sampler, IsUniformPerSolidAngleWithinATexel) {
+  // One lit texel, an eighth of the sphere: height and azimuth are uniform in it.
+  Environment environment;
+  environment.texels = grey(4, [](int x, int y) { return x == 2 && y == 0 ? 1.0 : 0.0; });
+  const EnvironmentSampler sampler(environment);
+  std::mt19937 generator(12);
+  std::uniform_real_distribution<float> uniform(0.0f, 1.0f);
+  constexpr int samples = 20000;
+  double height = 0.0;
+  double height_squared = 0.0;
+  double azimuth = 0.0;
+  for (int i = 0; i < samples; ++i) {
+    const auto sample = sampler.sample(std::min(uniform(generator), 0x1.fffffep-1f),
+                                       std::min(uniform(generator), 0x1.fffffep-1f));
+    const glm::dvec3 d(sample.direction_world);
+    EXPECT_NEAR(sample.pdf, 2.0 / pi_d, 1e-6);
+    height += d.y / samples;
+    height_squared += d.y * d.y / samples;
+    azimuth += std::atan2(d.z, d.x) / (0.5 * pi_d) / samples;
+  }
+  // Moments of the uniform distribution within 4 of their standard errors (variances 1/12 and
+  // 4/45): a false alarm has probability 6e-5 each, and the seed is fixed.
+  EXPECT_NEAR(height, 0.5, 4.0 * std::sqrt(1.0 / 12.0 / samples));
+  EXPECT_NEAR(azimuth, 0.5, 4.0 * std::sqrt(1.0 / 12.0 / samples));
+  EXPECT_NEAR(height_squared, 1.0 / 3.0, 4.0 * std::sqrt(4.0 / 45.0 / samples));
+}
+
 TEST(Sampler, MonteCarloIntegralIsTheSum) {
   // Importance sampling by radiance makes L / pdf constant: every single sample is exact.
   Environment environment;
