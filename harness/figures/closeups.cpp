@@ -15,6 +15,8 @@ struct CellSize {
   int height = 0;
 };
 
+int heading_width(const FigureSizes& sizes) { return 11 * sizes.text; }
+
 void check(const CloseupFigure& figure) {
   require_some(figure.columns.size(), "columns");
   require_some(figure.rows.size(), "rows");
@@ -50,21 +52,36 @@ int magnification_in(const CellSize& cell, const Rectangle& rectangle) {
 
 Image row_heading(const CloseupFigureRow& row, int number, int magnification,
                   const FigureSizes& sizes) {
-  const int width = 11 * sizes.text;
+  const int width = heading_width(sizes);
   const std::string size = fmt::format("{}\u00d7{} pixels,\nenlarged {}\u00d7", row.rectangle.width,
                                        row.rectangle.height, magnification);
-  const Image heading = stack(
-      {number_badge(number, sizes.title), text_block(row.label, {sizes.text, Weight::bold}, width),
-       text_block(row.note, {sizes.text}, width), text_block(size, {sizes.text}, width)},
-      sizes.gap / 3);
+  const Image text =
+      stack({text_block(row.label, {sizes.text, Weight::bold}, width),
+             text_block(row.note, {sizes.text}, width), text_block(size, {sizes.text}, width)},
+            0);
+  const Image heading = stack({number_badge(number, sizes.title), text}, sizes.gap / 3);
   Image column = blank(width, heading.height());
   paste(column, 0, 0, heading);
   return column;
 }
 
+/// The names of the numbered rectangles, for those who look at the overview first.
+Image key(const CloseupFigure& figure, int width, const FigureSizes& sizes) {
+  std::vector<Image> entries;
+  int number = 0;
+  for (const CloseupFigureRow& row : figure.rows) {
+    const Image badge = number_badge(++number, sizes.text);
+    const std::string text = row.note.empty() ? row.label : row.label + " (" + row.note + ")";
+    const int text_room = width - badge.width() - sizes.gap / 2;
+    entries.push_back(beside({badge, text_block(text, {sizes.text}, text_room)}, sizes.gap / 2,
+                             Placement::centre));
+  }
+  return stack(entries, sizes.gap / 3);
+}
+
 Image closeup_table(const CloseupFigure& figure, const CellSize& cell, const FigureSizes& sizes) {
   const int framed_width = cell.width + 2 * sizes.border;
-  std::vector<Image> tabs = {blank(11 * sizes.text, 1)};
+  std::vector<Image> tabs = {blank(heading_width(sizes), 1)};
   int tab_height = 0;
   for (const CloseupColumn& column : figure.columns) {
     tabs.push_back(label_tab(column.label, column.colour, sizes, framed_width));
@@ -156,13 +173,14 @@ Image closeup_figure(const CloseupFigure& figure) {
   for (const CloseupFigureRow& row : figure.rows) rectangles.push_back(row.rectangle);
   const Image overview = framed(draw_rectangles(figure.overview, rectangles), 1, ink);
 
-  // The caption fills the room beside the overview where that is wide enough to read.
+  // Key and caption fill the room beside the overview where that is wide enough to read.
   const int room = table.width() - overview.width() - 2 * sizes.gap;
   if (room < 18 * sizes.text) {
     return page(figure.title, {overview, table}, figure.caption, sizes);
   }
   const Image caption = text_block(figure.caption, {sizes.text}, room);
-  return page(figure.title, {beside({overview, caption}, 2 * sizes.gap), table}, "", sizes);
+  const Image words = stack({key(figure, room, sizes), caption}, sizes.gap);
+  return page(figure.title, {beside({overview, words}, 2 * sizes.gap), table}, "", sizes);
 }
 
 }  // namespace occlab

@@ -13,10 +13,10 @@ namespace {
 
 const char* quantity(ErrorMap kind) {
   return kind == ErrorMap::signed_luminance
-             ? "luminance error (Y \u2212 Y_ref) / mean Y_ref, without unit: 1 is the reference's "
-               "mean luminance"
-             : "RMS error over R, G, B / mean Y_ref, without unit: 1 is the reference's mean "
-               "luminance";
+             ? "luminance error (Y \u2212 Y_ref) / mean Y_ref; 1 is the reference's mean "
+               "luminance; "
+               "blue: too dark, red: too bright"
+             : "RMS error over R, G, B / mean Y_ref; 1 is the reference's mean luminance";
 }
 
 Image false_colour(const Image& error, const Image& mask, ErrorMap kind, double scale) {
@@ -30,10 +30,11 @@ Image false_colour(const Image& error, const Image& mask, ErrorMap kind, double 
 }
 
 std::string summary_text(const ErrorSummary& summary, ErrorMap kind) {
-  std::string text = kind == ErrorMap::signed_luminance
-                         ? fmt::format("mean {}, mean magnitude {}", number_text(summary.mean),
-                                       number_text(summary.mean_absolute))
-                         : fmt::format("mean {}", number_text(summary.mean));
+  std::string text =
+      kind == ErrorMap::signed_luminance
+          ? fmt::format("mean {}, mean magnitude {}", signed_number_text(summary.mean),
+                        number_text(summary.mean_absolute))
+          : fmt::format("mean {}", number_text(summary.mean));
   text += fmt::format("; beyond the scale {} %", number_text(100.0 * summary.beyond_scale, 2));
   if (summary.not_finite > 0) {
     text += fmt::format("; {} pixels not finite (magenta)", summary.not_finite);
@@ -41,14 +42,13 @@ std::string summary_text(const ErrorSummary& summary, ErrorMap kind) {
   return text;
 }
 
-/// Both signs are printed where there are both; the ends stand for everything beyond.
+/// The ends stand for everything beyond them.
 std::string tick_text(std::span<const double> ticks, std::size_t i) {
   const bool is_signed = ticks.front() < 0.0;
-  const char* beyond = "";
-  if (i + 1 == ticks.size()) beyond = "\u2265 ";
-  if (i == 0 && is_signed) beyond = "\u2264 ";
-  return fmt::format("{}{}{}", beyond, is_signed && ticks[i] > 0.0 ? "+" : "",
-                     number_text(ticks[i]));
+  const std::string number = is_signed ? signed_number_text(ticks[i], 6) : number_text(ticks[i], 6);
+  if (i + 1 == ticks.size()) return "\u2265 " + number;
+  if (i == 0 && is_signed) return "\u2264 " + number;
+  return number;
 }
 
 /// The bar in a thin frame, a tick and a number at each of its ticks, the quantity below.
@@ -71,7 +71,7 @@ Image legend(ErrorMap kind, double scale, int width, const FigureSizes& sizes) {
     paste(numbered, std::clamp(x - text.width() / 2, 0, numbered.width() - text.width()),
           bar.height() + tick, text);
   }
-  return stack({numbered, text_block(quantity(kind), {sizes.text}, numbered.width())},
+  return stack({numbered, text_block(quantity(kind), {sizes.text}, 2 * numbered.width())},
                sizes.gap / 3, Placement::centre);
 }
 

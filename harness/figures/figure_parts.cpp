@@ -63,6 +63,10 @@ std::string number_text(double value, int digits) {
   return text;
 }
 
+std::string signed_number_text(double value, int digits) {
+  return value > 0.0 ? fmt::format("+{}", number_text(value, digits)) : number_text(value, digits);
+}
+
 void require_display(const Image& image, std::string_view name, const Image& like) {
   require_shape(image, name, like, 3);
   if (image.empty()) throw InputError(fmt::format("{} image: it has no pixels", name));

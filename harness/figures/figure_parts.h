@@ -40,6 +40,9 @@ Image number_badge(int number, int text_size);
 /// A number for people: "−0.25" with a true minus sign.
 std::string number_text(double value, int digits = 3);
 
+/// The same with a plus sign before what is positive.
+std::string signed_number_text(double value, int digits = 3);
+
 /// InputError unless the image has three channels, all in [0, 1], and the size of `like`.
 void require_display(const Image& image, std::string_view name, const Image& like);
 

@@ -16,8 +16,8 @@ namespace occlab {
 //
 // All throw InputError for a figure without panels, images of different sizes or other numbers of
 // channels than stated, values of a shown image outside [0, 1], and rectangles that are empty or
-// leave the frame; DeviceError without the font (Debian's fonts-dejavu-core) or without an
-// OpenImageIO that draws text.
+// leave the frame; DeviceError without the font (DejaVu Sans, Debian's fonts-dejavu-core). Texts
+// are UTF-8.
 
 /// A method's image in a figure.
 struct Panel {

@@ -15,8 +15,10 @@ struct TextStyle {
   DisplayColour background = paper;
 };
 
-/// Pixels from the start of a line to the right edge of its ink. UTF-8. Throws DeviceError without
-/// the font or without an OpenImageIO that draws text, as does text_block.
+// Text is UTF-8; a byte that is not shows as U+FFFD, a character that the font lacks as a box. Both
+// functions throw DeviceError without the font.
+
+/// Pixels from the start of a line to its end.
 int text_width(const std::string& line, const TextStyle& style);
 
 /// The text in lines of at most `width` pixels, broken at spaces and '\n' (within a word where the
