@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "harness/files.h"
 #include "renderers/scene/data_root.h"
 #include "renderers/scene/error.h"
 
@@ -33,12 +34,22 @@ Environment load_light(const Scene& scene, const ProbeSettings& probe) {
   return constant_environment(glm::vec3(0.0f));
 }
 
+std::string hash_probe(const ProbeSettings& probe) {
+  if (probe.source.empty()) return "none";
+  for (const ProbeName& known : probe_names()) {
+    if (known.name == probe.source) return sha256_file(known.path);
+  }
+  return sha256_file(probe.source);
+}
+
 }  // namespace
 
 Workbench::Workbench(const ViewSettings& settings, const std::string& device)
     : context_(device),
       scene_(load_scene(scene_path(settings.scene))),
-      probe_(settings.probe ? *settings.probe : scene_probe(scene_)) {
+      probe_(settings.probe ? *settings.probe : scene_probe(scene_)),
+      scene_hash_(sha256_file(scene_.path)),
+      probe_hash_(hash_probe(probe_)) {
   const View view{find_camera(scene_, settings.view), settings.width, settings.height};
   Lighting lighting(load_light(scene_, probe_), scene_.lights, view);
   gpu_scene_.emplace(scene_);

@@ -26,16 +26,22 @@ class Workbench {
   Workbench(const ViewSettings& settings, const std::string& device);
 
   Frame& frame() { return *frame_; }
+  const Frame& frame() const { return *frame_; }
   const Scene& scene() const { return scene_; }
   const DeviceInfo& device() const { return context_.info(); }
   /// The probe that lights the view: as asked for, or the scene's own; source "" if there is none.
   const ProbeSettings& probe() const { return probe_; }
+  /// SHA-256 of the scene's and the probe's file; "none" without a probe.
+  const std::string& scene_hash() const { return scene_hash_; }
+  const std::string& probe_hash() const { return probe_hash_; }
 
  private:
   Context context_;
   ProgramCache programs_;
   Scene scene_;
   ProbeSettings probe_;
+  std::string scene_hash_;
+  std::string probe_hash_;
   std::optional<GpuScene> gpu_scene_;
   std::optional<Frame> frame_;
 };

@@ -13,7 +13,6 @@ void add_run_verb(CLI::App& app, Action& action);
 void add_render_verb(CLI::App& app, Action& action);
 void add_compare_verb(CLI::App& app, Action& action);
 void add_table_verb(CLI::App& app, Action& action);
-void add_figures_verb(CLI::App& app, Action& action);
 void add_list_verb(CLI::App& app, Action& action);
 void add_export_verb(CLI::App& app, Action& action);
 

@@ -221,4 +221,6 @@ void write_png(const fs::path& path, const Image& image) {
   write_image(path, spec, bytes.data(), OIIO::TypeDesc::UINT8);
 }
 
+std::string image_library_version() { return OIIO_VERSION_STRING; }
+
 }  // namespace occlab

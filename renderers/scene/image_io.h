@@ -54,4 +54,7 @@ Image read_rgb(const std::filesystem::path& path);
 /// Writes `image` (display-referred sRGB in [0, 1], 1 or 3 channels) as an 8-bit PNG, atomically.
 void write_png(const std::filesystem::path& path, const Image& image);
 
+/// OpenImageIO's version, for run.json.
+std::string image_library_version();
+
 }  // namespace occlab

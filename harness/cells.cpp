@@ -1,0 +1,68 @@
+#include "harness/cells.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+
+#include "harness/version.h"
+#include "renderers/gl/program.h"
+
+namespace occlab {
+std::vector<std::pair<std::string, std::string>> named_parameters(const ParameterSet& parameters) {
+  std::vector<std::pair<std::string, std::string>> named;
+  for (const Parameter& parameter : parameters.declared()) {
+    if (parameter.name != "seed") {
+      named.emplace_back(parameter.name, to_string(parameters.value(parameter.name)));
+    }
+  }
+  return named;
+}
+
+CellKey cell_key(const Workbench& bench, const PlannedCell& cell) {
+  const View& view = bench.frame().view;
+  const ProbeSettings& probe = bench.probe();
+  CellKey key;
+  key.add("scene", bench.scene_hash());
+  key.add("view", view.camera.name);
+  key.add("resolution", fmt::format("{}x{}", view.width, view.height));
+  key.add("probe", bench.probe_hash());
+  key.add("probe_settings",
+          fmt::format("rotation_degrees={} exposure_stops={} prefilter_degrees={}",
+                      probe.rotation_degrees, probe.exposure_stops, probe.prefilter_degrees));
+  key.add("method", cell.method);
+  key.add("parameters", cell.parameters.to_string());
+  std::string shaders;
+  for (const std::string& shader : find_method(cell.method).shaders) {
+    shaders += expand_shader(shader, "").text;
+  }
+  key.add("shaders", sha256_text(shaders));
+  key.add("device", bench.device().renderer);
+  key.add("driver", bench.device().version);
+  key.add("code", std::string(renderers_hash));
+  return key;
+}
+
+Layers render_cell(Workbench& bench, const PlannedCell& cell, OcclusionMethod& method,
+                   Metadata& facts) {
+  const auto start = std::chrono::steady_clock::now();
+  Layers layers = method.evaluate(bench.frame(), cell.parameters, facts);
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+  facts["wall_seconds"] = fmt::format("{:.3f}", elapsed.count());
+  if (cell.role == Role::reference) layers.add("mask", bench.frame().surface().mask);
+  return layers;
+}
+
+Metadata cell_metadata(const Workbench& bench, const PlannedCell& cell, const Metadata& facts) {
+  Metadata metadata = {{"occlab:method", cell.method},
+                       {"occlab:parameters", cell.parameters.to_string()},
+                       {"occlab:scene", bench.scene().path.filename().string()},
+                       {"occlab:view", bench.frame().view.camera.name},
+                       {"occlab:probe", describe(bench.probe())},
+                       {"occlab:device", bench.device().renderer},
+                       {"occlab:driver", bench.device().version},
+                       {"occlab:commit", std::string(build_commit)}};
+  for (const auto& [name, value] : facts) metadata["occlab:" + name] = value;
+  return metadata;
+}
+
+}  // namespace occlab

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "harness/config.h"
+#include "harness/store.h"
+#include "harness/workbench.h"
+
+namespace occlab {
+
+/// Names and values in declared order, without `seed`: what a measurement's parameters are.
+std::vector<std::pair<std::string, std::string>> named_parameters(const ParameterSet& parameters);
+
+/// What determines a cell's pixels on this workbench.
+CellKey cell_key(const Workbench& bench, const PlannedCell& cell);
+
+/// Renders the cell with its method; a reference cell also holds the `mask` of its surface points.
+/// `facts` gets what the method reports and the wall time.
+Layers render_cell(Workbench& bench, const PlannedCell& cell, OcclusionMethod& method,
+                   Metadata& facts);
+
+/// What the EXR says of itself.
+Metadata cell_metadata(const Workbench& bench, const PlannedCell& cell, const Metadata& facts);
+
+}  // namespace occlab

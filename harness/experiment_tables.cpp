@@ -1,0 +1,65 @@
+#include "harness/experiment_tables.h"
+
+#include <algorithm>
+#include <iterator>
+
+#include "harness/files.h"
+#include "harness/measure.h"
+#include "harness/table_formats.h"
+
+namespace occlab {
+
+TimingTableSettings timing_table_settings(const Experiment& experiment) {
+  if (!experiment.timing) return {};
+  return {experiment.timing->baseline, experiment.timing->published};
+}
+
+std::vector<Table> make_tables(const std::vector<Measurement>& measurements,
+                               const TimingTableSettings& timing) {
+  std::vector<Measurement> whole_view;
+  std::vector<Measurement> closeups;
+  std::ranges::partition_copy(measurements, std::back_inserter(closeups),
+                              std::back_inserter(whole_view), is_region);
+  std::vector<Table> tables;
+  const auto add = [&](Table table) {
+    if (!table.rows.empty()) tables.push_back(std::move(table));
+  };
+  if (!timing.baseline.empty()) {
+    std::optional<PublishedTimes> published;
+    if (!timing.published.empty()) {
+      published = read_published_times(published_path(timing.published));
+    }
+    add(timing_table(measurements, timing.baseline, published));
+  }
+  for (const char* stage : {"unfiltered", "filtered"}) add(noise_table(whole_view, stage));
+  for (const char* stage : {"unfiltered", "filtered"}) add(accuracy_table(whole_view, stage));
+  for (const char* stage : {"unfiltered", "filtered"}) {
+    Table table = accuracy_table(closeups, stage);
+    table.name = std::string("closeups_") + stage;
+    table.title = std::string("Accuracy in the closeups, ") + stage;
+    add(std::move(table));
+  }
+  add(orderings_table(measurements));
+  return tables;
+}
+
+void write_tables(const std::vector<Table>& tables, const std::filesystem::path& folder) {
+  create_folder(folder);
+  for (const Table& table : tables) {
+    for (const std::string& format : table_formats()) {
+      write_text_atomically(folder / (table.name + table_extension(format)),
+                            format_table(table, format));
+    }
+  }
+}
+
+std::string format_tables(const std::vector<Table>& tables, const std::string& format) {
+  std::string text;
+  for (const Table& table : tables) {
+    if (!text.empty()) text += "\n";
+    text += format_table(table, format);
+  }
+  return text;
+}
+
+}  // namespace occlab

@@ -1,0 +1,325 @@
+#include "harness/measure.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "harness/cells.h"
+#include "harness/figures/figures.h"
+#include "harness/metrics/metrics.h"
+#include "harness/metrics/noise_bias.h"
+
+namespace occlab {
+namespace {
+
+constexpr double confidence = 0.95;
+
+/// Metrics whose ratios between methods are tabulated.
+constexpr std::array<std::string_view, 2> compared_metrics = {"rmse", "rgb_angle_shadow"};
+
+struct Stage {
+  const char* name;
+  const char* layer;
+};
+constexpr std::array<Stage, 2> stages = {
+    {{"unfiltered", "radiance_unfiltered"}, {"filtered", "radiance"}}};
+
+/// The image of a stage: a method that did not filter has only the unfiltered one.
+const Image* stage_image(const Layers& layers, const Stage& stage) {
+  const bool filtered = layers.find("radiance_unfiltered") != nullptr;
+  if (filtered) return &layers.at(stage.layer);
+  return stage.layer == std::string_view("radiance") ? nullptr : &layers.at("radiance");
+}
+
+/// The reference's layers over the frame or a region.
+struct ReferenceImages {
+  std::string view;  ///< as measurements name it
+  std::optional<Rectangle> rectangle;
+  Image radiance;
+  Image mask;
+  Image variance;   ///< empty if the method gives none
+  Image occlusion;  ///< empty if the method gives none
+
+  std::vector<MetricValue> measure(const Image& test) const {
+    return occlab::measure({.reference = radiance,
+                            .test = rectangle ? crop(test, *rectangle) : test,
+                            .mask = mask,
+                            .reference_occlusion = occlusion.empty() ? nullptr : &occlusion,
+                            .reference_variance = variance.empty() ? nullptr : &variance});
+  }
+};
+
+Image optional_layer(const Layers& layers, const char* name) {
+  const Image* image = layers.find(name);
+  return image ? *image : Image();
+}
+
+std::vector<ReferenceImages> reference_images(const Layers& layers, const std::string& view,
+                                              const std::vector<Region>& regions) {
+  std::vector<ReferenceImages> images;
+  images.push_back({view, std::nullopt, layers.at("radiance"), layers.at("mask"),
+                    optional_layer(layers, "radiance_variance"),
+                    optional_layer(layers, "ambient_occlusion")});
+  for (const Region& region : regions) {
+    const auto part = [&](const Image& image) {
+      return image.empty() ? Image() : crop(image, region.rectangle);
+    };
+    const ReferenceImages& whole = images.front();
+    images.push_back({view_of_region(view, region.name), region.rectangle, part(whole.radiance),
+                      part(whole.mask), part(whole.variance), part(whole.occlusion)});
+  }
+  return images;
+}
+
+/// What one group of cells (seeds of one method and parameters) gave at one stage.
+struct GroupStage {
+  using ViewAndMetric = std::pair<std::string, std::string>;
+  std::map<ViewAndMetric, std::vector<double>> values;  ///< one a seed
+  std::map<ViewAndMetric, std::string> units;
+  std::map<ViewAndMetric, std::string> reasons;  ///< why a seed has no value
+  std::optional<NoiseBias> noise_bias;
+};
+
+struct Group {
+  const PlannedCell* planned = nullptr;
+  std::vector<std::string> cells;
+  std::map<std::string, GroupStage> stages;
+};
+
+/// Equal values of all parameters that both declare, seeds apart: the methods can be compared.
+bool comparable(const ParameterSet& a, const ParameterSet& b) {
+  return std::ranges::all_of(a.declared(), [&](const Parameter& parameter) {
+    return parameter.name == "seed" || !b.has(parameter.name) ||
+           a.value(parameter.name) == b.value(parameter.name);
+  });
+}
+
+class Measurer {
+ public:
+  Measurer(const Measurement& identity, std::string reference_id)
+      : identity_(identity), reference_id_(std::move(reference_id)) {}
+
+  void add_seed(Group& group, const Stage& stage, const MeasuredCell& cell,
+                const ReferenceImages& reference, const Image& image) {
+    GroupStage& sums = group.stages[stage.name];
+    for (const MetricValue& metric : reference.measure(image)) {
+      const GroupStage::ViewAndMetric name(reference.view, metric.name);
+      Measurement row = new_row(*group.planned, stage.name, name, metric.unit);
+      row.seed = std::to_string(cell.planned.parameters.integer("seed"));
+      row.cells = {cell.id};
+      row.value = metric.value;
+      row.reason = metric.reason;
+      row.n = long(metric.pixels);
+      rows_.push_back(std::move(row));
+      sums.units[name] = metric.unit;
+      if (metric.value) {
+        sums.values[name].push_back(*metric.value);
+      } else {
+        sums.reasons[name] = metric.reason;
+      }
+    }
+  }
+
+  /// Mean over the seeds, Student's interval; missing as soon as one seed has no value.
+  void add_means(const Group& group) {
+    for (const auto& [stage, sums] : group.stages) {
+      for (const auto& [name, unit] : sums.units) {
+        Measurement row = new_row(*group.planned, stage, name, unit);
+        row.cells = group.cells;
+        const auto reason = sums.reasons.find(name);
+        if (reason != sums.reasons.end()) {
+          row.reason = reason->second;
+        } else {
+          const std::vector<double>& values = sums.values.at(name);
+          row.value = mean(values);
+          row.n = long(values.size());
+          if (values.size() >= 2 && std::isfinite(*row.value)) {
+            const double half = student_half_width(values);
+            row.lower = *row.value - half;
+            row.upper = *row.value + half;
+          }
+        }
+        rows_.push_back(std::move(row));
+      }
+      if (sums.noise_bias) add_noise(group, stage, *sums.noise_bias);
+    }
+  }
+
+  void add_ratios(const Group& a, const Group& b) {
+    for (const auto& [stage, sums] : a.stages) {
+      const auto other = b.stages.find(stage);
+      if (other == b.stages.end()) continue;
+      if (sums.noise_bias && other->second.noise_bias) {
+        add_estimate(a, b, stage, {identity_.view, "noise"},
+                     noise_ratio(*sums.noise_bias, *other->second.noise_bias, confidence));
+      }
+      for (const auto& [name, values] : sums.values) {
+        const auto others = other->second.values.find(name);
+        if (std::ranges::find(compared_metrics, name.second) == compared_metrics.end() ||
+            others == other->second.values.end() || others->second.size() != values.size()) {
+          continue;
+        }
+        add_estimate(a, b, stage, name, metric_ratio(values, others->second));
+      }
+    }
+  }
+
+  std::vector<Measurement> take() { return std::move(rows_); }
+
+ private:
+  Measurement new_row(const PlannedCell& planned, const std::string& stage,
+                      const GroupStage::ViewAndMetric& name, const std::string& unit) const {
+    Measurement row = identity_;
+    row.view = name.first;
+    row.method = planned.method;
+    row.parameters = named_parameters(planned.parameters);
+    row.seed = "all";
+    row.stage = stage;
+    row.metric = name.second;
+    row.unit = unit;
+    row.reference_cell = reference_id_;
+    return row;
+  }
+
+  static double student_half_width(const std::vector<double>& values) {
+    const double n = double(values.size());
+    return student_quantile(0.5 + 0.5 * confidence, n - 1.0) * std::sqrt(variance(values) / n);
+  }
+
+  /// Geometric mean of the ratios seed by seed, Student's interval of its logarithm.
+  static Estimate metric_ratio(const std::vector<double>& a, const std::vector<double>& b) {
+    Estimate estimate;
+    std::vector<double> logarithms;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      if (!(a[i] > 0.0) || !(b[i] > 0.0)) {
+        estimate.reason = "a value is not positive";
+        return estimate;
+      }
+      logarithms.push_back(std::log(a[i] / b[i]));
+    }
+    estimate.value = std::exp(mean(logarithms));
+    if (logarithms.size() >= 2) {
+      const double half = student_half_width(logarithms);
+      estimate.interval =
+          Interval{*estimate.value * std::exp(-half), *estimate.value * std::exp(half), confidence};
+    }
+    return estimate;
+  }
+
+  void add_noise(const Group& group, const std::string& stage, const NoiseBias& noise_bias) {
+    const auto add = [&](const char* name, const char* unit, const Estimate& estimate) {
+      Measurement row = new_row(*group.planned, stage, {identity_.view, name}, unit);
+      row.cells = group.cells;
+      row.n = noise_bias.runs;
+      fill(row, estimate);
+      rows_.push_back(std::move(row));
+    };
+    add("noise", "mean luminance", noise_bias.noise);
+    add("bias", "mean luminance", noise_bias.bias);
+    add("bias_squared", "mean luminance^2", noise_bias.bias_squared);
+    add("mse", "mean luminance^2", noise_bias.mse);
+  }
+
+  void add_estimate(const Group& a, const Group& b, const std::string& stage,
+                    const GroupStage::ViewAndMetric& name, const Estimate& estimate) {
+    const std::string metric =
+        fmt::format("{}_ratio.{}/{}", name.second, a.planned->method, b.planned->method);
+    Measurement row = new_row(*a.planned, stage, {name.first, metric}, "");
+    row.cells = a.cells;
+    row.cells.insert(row.cells.end(), b.cells.begin(), b.cells.end());
+    row.n = long(a.cells.size());
+    fill(row, estimate);
+    rows_.push_back(std::move(row));
+  }
+
+  static void fill(Measurement& row, const Estimate& estimate) {
+    row.value = estimate.value;
+    row.reason = estimate.reason;
+    if (estimate.interval && std::isfinite(estimate.interval->low) &&
+        std::isfinite(estimate.interval->high)) {
+      row.lower = estimate.interval->low;
+      row.upper = estimate.interval->high;
+    }
+  }
+
+  Measurement identity_;
+  std::string reference_id_;
+  std::vector<Measurement> rows_;
+};
+
+}  // namespace
+
+std::string view_of_region(const std::string& view, const std::string& region) {
+  return fmt::format("{} [{}]", view, region);
+}
+
+bool is_region(const Measurement& measurement) { return measurement.view.ends_with(']'); }
+
+std::vector<Region> regions(const Experiment& experiment) {
+  std::vector<Region> all;
+  for (const FigureSettings& figure : experiment.figures) {
+    for (const CloseupRow& row : figure.rows) {
+      if (std::ranges::find(all, row.label, &Region::name) == all.end()) {
+        all.push_back({row.label, row.rectangle});
+      }
+    }
+  }
+  return all;
+}
+
+std::vector<Measurement> measure_cells(const std::vector<MeasuredCell>& cells,
+                                       const std::vector<Region>& regions,
+                                       const Measurement& identity, const ReadLayers& read,
+                                       const std::function<void(std::size_t)>& progress) {
+  if (cells.empty() || cells.front().planned.role != Role::reference) return {};
+  progress(0);
+  const std::vector<ReferenceImages> references =
+      reference_images(read(cells.front()), identity.view, regions);
+  Measurer measurer(identity, cells.front().id);
+
+  std::vector<Group> groups;
+  std::size_t index = 1;
+  while (index < cells.size()) {
+    const int id = cells[index].planned.group;
+    Group group{&cells[index].planned, {}, {}};
+    std::map<std::string, RunStatistics> runs;
+    for (; index < cells.size() && cells[index].planned.group == id; ++index) {
+      progress(index);
+      const Layers layers = read(cells[index]);
+      group.cells.push_back(cells[index].id);
+      for (const Stage& stage : stages) {
+        const Image* image = stage_image(layers, stage);
+        if (!image) continue;
+        runs.try_emplace(stage.name, references.front().mask).first->second.add(*image);
+        for (const ReferenceImages& reference : references) {
+          measurer.add_seed(group, stage, cells[index], reference, *image);
+        }
+      }
+    }
+    const ReferenceImages& whole = references.front();
+    for (const auto& [stage, statistics] : runs) {
+      if (statistics.runs() < 2) continue;
+      group.stages[stage].noise_bias =
+          noise_and_bias(statistics, whole.radiance,
+                         whole.variance.empty() ? nullptr : &whole.variance, confidence);
+    }
+    groups.push_back(std::move(group));
+  }
+
+  for (const Group& group : groups) measurer.add_means(group);
+  for (std::size_t a = 0; a < groups.size(); ++a) {
+    for (std::size_t b = 0; b < a; ++b) {
+      if (groups[a].planned->method != groups[b].planned->method &&
+          comparable(groups[a].planned->parameters, groups[b].planned->parameters)) {
+        measurer.add_ratios(groups[a], groups[b]);
+      }
+    }
+  }
+  return measurer.take();
+}
+
+}  // namespace occlab

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "harness/config.h"
+#include "harness/measurements.h"
+#include "renderers/scene/image_io.h"
+
+namespace occlab {
+
+/// A finished cell, as the measuring needs it.
+struct MeasuredCell {
+  const PlannedCell& planned;
+  std::string id;
+};
+
+/// The layers of a cell; may throw InputError where it is not to be had.
+using ReadLayers = std::function<Layers(const MeasuredCell&)>;
+
+/// A part of the picture in which the metrics are measured on their own, as of a view of its own.
+struct Region {
+  std::string name;
+  Rectangle rectangle;
+};
+
+/// "main [90-degree corner]": the view of a region's measurements.
+std::string view_of_region(const std::string& view, const std::string& region);
+bool is_region(const Measurement& measurement);
+
+/// The rows of the experiment's closeup figures: what a closeup shows is also measured there.
+std::vector<Region> regions(const Experiment& experiment);
+
+/// All metrics of all cells against the reference cell, before and after the filter: seed by seed;
+/// their mean over the seeds; noise and bias over the seeds; and the ratios of two methods with the
+/// same parameters, paired by seed. `cells` is the whole plan, the reference first. `progress` is
+/// called before each cell. `identity` fills what all rows share.
+std::vector<Measurement> measure_cells(const std::vector<MeasuredCell>& cells,
+                                       const std::vector<Region>& regions,
+                                       const Measurement& identity, const ReadLayers& read,
+                                       const std::function<void(std::size_t)>& progress);
+
+}  // namespace occlab

@@ -1,0 +1,255 @@
+#include "harness/runner.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "harness/cells.h"
+#include "harness/environment_report.h"
+#include "harness/experiment_figures.h"
+#include "harness/experiment_tables.h"
+#include "harness/measure.h"
+#include "harness/progress.h"
+#include "harness/store.h"
+#include "harness/timing.h"
+#include "harness/version.h"
+#include "renderers/scene/error.h"
+#include "renderers/scene/interrupt.h"
+
+namespace occlab {
+namespace fs = std::filesystem;
+namespace {
+
+using nlohmann::json;
+
+struct PlannedKey {
+  PlannedCell planned;
+  CellKey key;
+};
+
+std::string label(const PlannedCell& cell) {
+  std::string text = cell.method;
+  for (const char* name : {"samples", "steps", "seed", "rays_per_pixel"}) {
+    if (cell.parameters.has(name)) {
+      text += fmt::format(" {}={}", name, to_string(cell.parameters.value(name)));
+    }
+  }
+  return text;
+}
+
+/// One run over one results folder.
+class Run {
+ public:
+  Run(const Experiment& experiment, const RunOptions& options)
+      : experiment_(experiment),
+        store_(options.out),
+        bench_({.scene = experiment.scene.source,
+                .view = experiment.scene.view,
+                .width = experiment.scene.width,
+                .height = experiment.scene.height,
+                .probe = experiment.probe},
+               options.device) {
+    for (PlannedCell& cell : plan(experiment, methods())) {
+      CellKey key = cell_key(bench_, cell);
+      cells_.push_back({std::move(cell), std::move(key)});
+    }
+    warnings_ = bench_.scene().warnings;
+    if (const auto clamped = bench_.frame().lighting.environment().clamped_negative_texels) {
+      warn(fmt::format("{}: {} slightly negative texels were set to 0", bench_.probe().source,
+                       clamped));
+    }
+    for (const std::string& warning : warnings_) fmt::print(stderr, "occlab: {}\n", warning);
+  }
+
+  void finish() {
+    const std::size_t rendered = render_missing();
+    const std::string timing_key = make_timing_key();
+    const json previous = read_previous();
+    const bool timed = previous.value("timing_key", "") == timing_key;
+    const bool measured = previous.value("measuring_key", "") == make_measuring_key();
+    if (rendered == 0 && timed && measured && outputs_exist()) {
+      fmt::print(stderr, "{}: everything is done; --fresh does it again\n",
+                 store_.folder().string());
+      fmt::print("{}", format_tables(make_tables(read_measurements(measurements_path()),
+                                                 timing_table_settings(experiment_)),
+                                     "md"));
+      return;
+    }
+    std::vector<Measurement> rows = measured ? previous_rows(false) : measure();
+    json timing_context = timed ? previous.value("timing", json()) : json();
+    std::vector<Measurement> times;
+    if (experiment_.timing) {
+      if (timed) {
+        times = previous_rows(true);
+      } else {
+        TimingResult timing = time_methods(experiment_, bench_, identity());
+        times = std::move(timing.measurements);
+        timing_context = std::move(timing.context);
+      }
+    }
+    rows.insert(rows.end(), times.begin(), times.end());
+    write_measurements(measurements_path(), rows);
+    const std::vector<Table> tables = make_tables(rows, timing_table_settings(experiment_));
+    write_tables(tables, store_.folder() / "tables");
+    write_figures(experiment_, measured_cells(), reader(), store_.folder() / "figures");
+    json report = environment_report(experiment_, bench_);
+    report["measuring_key"] = make_measuring_key();
+    report["timing_key"] = timing_key;
+    report["timing"] = timing_context;
+    const TimingTableSettings table_settings = timing_table_settings(experiment_);
+    report["timing_table"] = {{"baseline", table_settings.baseline},
+                              {"published", table_settings.published}};
+    report["warnings"] = warnings_;
+    report["cells"] = json::array();
+    for (const PlannedKey& cell : cells_) {
+      report["cells"].push_back({{"id", cell.key.id()},
+                                 {"hash", cell.key.hash()},
+                                 {"method", cell.planned.method},
+                                 {"parameters", cell.planned.parameters.to_string()}});
+    }
+    write_text_atomically(report_path(), report.dump(2) + "\n");
+    fmt::print("{}", format_tables(tables, "md"));
+  }
+
+ private:
+  fs::path measurements_path() const { return store_.folder() / "measurements.csv"; }
+  fs::path report_path() const { return store_.folder() / "run.json"; }
+
+  void warn(std::string warning) { warnings_.push_back(std::move(warning)); }
+
+  std::size_t render_missing() {
+    std::vector<const PlannedKey*> missing;
+    for (const PlannedKey& cell : cells_) {
+      if (!store_.has(cell.key)) missing.push_back(&cell);
+    }
+    fmt::print(stderr, "{} cells, {} to render\n", cells_.size(), missing.size());
+    std::map<std::string, std::unique_ptr<OcclusionMethod>> instances;
+    Progress progress("rendering", missing.size());
+    for (std::size_t i = 0; i < missing.size(); ++i) {
+      try {
+        throw_if_interrupted();
+        progress.update(i, label(missing[i]->planned));
+        render(*missing[i], instances);
+      } catch (const Interrupted&) {
+        throw Interrupted(
+            fmt::format("interrupted; {} of {} cells are finished and kept, the same "
+                        "command goes on from there",
+                        cells_.size() - missing.size() + i, cells_.size()));
+      }
+    }
+    return missing.size();
+  }
+
+  void render(const PlannedKey& cell,
+              std::map<std::string, std::unique_ptr<OcclusionMethod>>& instances) {
+    auto& method = instances[cell.planned.method];
+    if (!method) method = find_method(cell.planned.method).make();
+    Metadata facts;
+    const Layers layers = render_cell(bench_, cell.planned, *method, facts);
+    store_.write(cell.key, layers, cell_metadata(bench_, cell.planned, facts), json(facts));
+  }
+
+  /// Reads a cell; one that turns out damaged is rendered again, and said so.
+  ReadLayers reader() {
+    return [this](const MeasuredCell& cell) {
+      const auto found = std::ranges::find_if(
+          cells_, [&](const PlannedKey& candidate) { return candidate.key.id() == cell.id; });
+      return read_cell(*found);
+    };
+  }
+
+  Layers read_cell(const PlannedKey& cell) {
+    ReadCell read = store_.read(cell.key);
+    if (!read.cell) {
+      warn(read.warning + "; rendered again");
+      fmt::print(stderr, "occlab: {}; rendering it again\n", read.warning);
+      std::map<std::string, std::unique_ptr<OcclusionMethod>> instances;
+      render(cell, instances);
+      read = store_.read(cell.key);
+      if (!read.cell) throw DeviceError(read.warning + ", twice in a row");
+    }
+    return std::move(read.cell->layers);
+  }
+
+  std::vector<MeasuredCell> measured_cells() const {
+    std::vector<MeasuredCell> measured;
+    for (const PlannedKey& cell : cells_) measured.push_back({cell.planned, cell.key.id()});
+    return measured;
+  }
+
+  std::vector<Measurement> measure() {
+    const std::vector<MeasuredCell> cells = measured_cells();
+    Progress progress("measuring", cells.size());
+    return measure_cells(cells, regions(experiment_), identity(), reader(), [&](std::size_t index) {
+      throw_if_interrupted();
+      progress.update(index, label(cells[index].planned));
+    });
+  }
+
+  Measurement identity() const {
+    Measurement row;
+    row.experiment = experiment_.name;
+    row.scene = bench_.scene().name;
+    row.view = bench_.frame().view.camera.name;
+    row.resolution = fmt::format("{}x{}", experiment_.scene.width, experiment_.scene.height);
+    row.probe = describe(bench_.probe());
+    row.device = fmt::format("{} ({})", bench_.device().renderer,
+                             bench_.device().software ? "software" : "hardware");
+    return row;
+  }
+
+  std::string make_measuring_key() const {
+    std::string text = experiment_.resolved + std::string(harness_hash);
+    for (const PlannedKey& cell : cells_) text += cell.key.hash();
+    return sha256_text(text);
+  }
+
+  /// Times depend on the code, the device and what is asked for, not on the cells.
+  std::string make_timing_key() const {
+    return sha256_text(fmt::format("{}\n{}\n{}\n{}\n{}", experiment_.resolved, renderers_hash,
+                                   bench_.device().renderer, bench_.device().version,
+                                   bench_.scene_hash()));
+  }
+
+  json read_previous() const {
+    if (!fs::exists(report_path()) || !fs::exists(measurements_path())) return json::object();
+    return json::parse(read_text(report_path()), nullptr, false);
+  }
+
+  std::vector<Measurement> previous_rows(bool times) const {
+    std::vector<Measurement> rows = read_measurements(measurements_path());
+    std::erase_if(rows,
+                  [&](const Measurement& row) { return row.metric.starts_with("time_") != times; });
+    return rows;
+  }
+
+  bool outputs_exist() const {
+    return fs::exists(measurements_path()) && fs::exists(store_.folder() / "tables") &&
+           fs::exists(store_.folder() / "figures");
+  }
+
+  const Experiment& experiment_;
+  CellStore store_;
+  Workbench bench_;
+  std::vector<PlannedKey> cells_;
+  std::vector<std::string> warnings_;
+};
+
+/// What a run makes, by name; anything else in the folder is the user's.
+void remove_results(const fs::path& folder) {
+  for (const char* name :
+       {"cells", "damaged", "tables", "figures", "measurements.csv", "run.json"}) {
+    fs::remove_all(folder / name);
+  }
+}
+
+}  // namespace
+
+void run_experiment(const Experiment& experiment, const RunOptions& options) {
+  if (options.fresh) remove_results(options.out);
+  Run(experiment, options).finish();
+}
+
+}  // namespace occlab
