@@ -71,8 +71,9 @@ Image legend(ErrorMap kind, double scale, int width, const FigureSizes& sizes) {
     paste(numbered, std::clamp(x - text.width() / 2, 0, numbered.width() - text.width()),
           bar.height() + tick, text);
   }
-  return stack({numbered, text_block(quantity(kind), {sizes.text}, 2 * numbered.width())},
-               sizes.gap / 3, Placement::centre);
+  return stack(
+      {numbered, text_block(quantity(kind), {sizes.text}, std::max(numbered.width(), 2 * width))},
+      sizes.gap / 3, Placement::centre);
 }
 
 }  // namespace
