@@ -38,16 +38,16 @@ Image decode_color_texture(const JsonValue& place, std::span<const std::byte> by
   const auto input = OIIO::ImageInput::create(format);
   OIIO::ImageSpec opened;
   if (!input) place.fail(fmt::format("the image is unreadable: {}", OIIO::geterror()));
-  if (!input->open(format, opened, config)) {
-    place.fail(fmt::format("the image is damaged: {}", input->geterror()));
-  }
+  const auto fail = [&] {
+    const std::string reason = input->geterror();
+    place.fail("the image is damaged: " + reason);
+  };
+  if (!input->open(format, opened, config)) fail();
   const OIIO::ImageSpec& spec = input->spec();
   const int channels = spec.nchannels;
   std::vector<float> values(std::size_t(spec.width) * std::size_t(spec.height) *
                             std::size_t(channels));
-  if (!input->read_image(0, 0, 0, channels, OIIO::TypeDesc::FLOAT, values.data())) {
-    place.fail(fmt::format("the image is damaged: {}", input->geterror()));
-  }
+  if (!input->read_image(0, 0, 0, channels, OIIO::TypeDesc::FLOAT, values.data())) fail();
   Image image(spec.width, spec.height, 3);
   for (std::size_t p = 0; p < image.pixel_count(); ++p) {
     for (std::size_t c = 0; c < 3; ++c) {

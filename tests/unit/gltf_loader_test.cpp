@@ -243,7 +243,8 @@ TEST_F(GltfLoader, DecodesBaseColourTexturesToLinear) {
     EXPECT_NEAR(turned[i].y, expected[i].y, 1e-6f);
   }
 
-  gltf.json["bufferViews"][view]["byteLength"] = 60;
+  // Damaged, not cut short: there OpenImageIO 2.4 leaks its own message across libpng's longjmp.
+  gltf.binary[gltf.json["bufferViews"][view]["byteOffset"].get<std::size_t>() + 18] ^= 0x55;
   expect_refused(gltf, {"images[0]", "damaged"});
   gltf.json["images"][0] = {{"uri", "data:image/webp;base64,TWFu"}};
   expect_refused(gltf, {"images[0]", "PNG or JPEG"});
