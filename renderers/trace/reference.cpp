@@ -61,11 +61,26 @@ ProbeTable make_table(const Environment& environment, const EnvironmentSampler& 
   return table;
 }
 
-/// Sums of one batch for the 16 pixels.
-struct BatchSums {
+/// Sums of a few hundred rays for the 16 pixels.
+struct RaySums {
   Lanes3 light;      ///< of L v cos / pdf
   Lanes visibility;  ///< of v over cosine-distributed directions
 };
+
+/// Sums of one batch. Doubles: floats would drift by 3e-4 of the result at a million rays.
+struct BatchSums {
+  std::array<glm::dvec3, lane_count> light{};
+  std::array<double, lane_count> visibility{};
+
+  void add(const RaySums& rays) {
+    for (int i = 0; i < lane_count; ++i) {
+      const auto lane = std::size_t(i);
+      light[lane] += glm::dvec3(rays.light.x[i], rays.light.y[i], rays.light.z[i]);
+      visibility[lane] += double(rays.visibility[i]);
+    }
+  }
+};
+constexpr long rays_per_sum = 256;
 
 std::uint32_t hash(std::uint32_t value) {
   // PCG output permutation [Jarzynski and Olano 2020, "Hash Functions for GPU Rendering"].
@@ -130,7 +145,7 @@ class TileTracer {
   }
 
   /// Directions p(w) = cos/pi about each pixel's normal.
-  void add_cosine(const Tile& tile, float u, float v, float other_density_share, BatchSums& sums) {
+  void add_cosine(const Tile& tile, float u, float v, float other_density_share, RaySums& sums) {
     const float radius = std::sqrt(u);
     const float x = radius * std::cos(2.0f * pi * v);
     const float y = radius * std::sin(2.0f * pi * v);
@@ -162,7 +177,7 @@ class TileTracer {
 
   /// Directions in proportion to the probe's texels, one for the whole tile.
   void add_environment(const Tile& tile, float u, float v, float other_density_share,
-                       BatchSums& sums) {
+                       RaySums& sums) {
     const EnvironmentSampler::Sample sample = sampler_.sample(u, v);
     const glm::vec3 d = sample.direction_world;
     Lanes3 direction;
@@ -283,11 +298,11 @@ Reference trace_reference(const TracedScene& traced, const Environment& environm
   const EnvironmentSampler sampler(environment);
   const ProbeTable table = make_table(environment, sampler);
   const bool use_cosine = settings.estimator != Estimator::environment;
-  const bool use_environment = settings.estimator != Estimator::cosine;
+  // A black probe has no texel to draw.
+  const bool use_environment = settings.estimator != Estimator::cosine && !sampler.black();
   const long strategies = long(use_cosine) + long(use_environment);
-  const long per_batch =
-      std::max(1L, (settings.rays_per_pixel + reference_batches * strategies - 1) /
-                       (reference_batches * strategies));
+  const long per_round = reference_batches * std::max(1L, strategies);
+  const long per_batch = std::max(1L, (settings.rays_per_pixel + per_round - 1) / per_round);
   // Balance heuristic with as many samples of either strategy: the densities add [Veach 1997].
   const float other_share = strategies == 2 ? 1.0f : 0.0f;
 
@@ -318,20 +333,23 @@ Reference trace_reference(const TracedScene& traced, const Environment& environm
         BatchSums sums;
         PointSequence cosine_points(settings.seed, tile_id, std::uint32_t(batch), 0);
         PointSequence environment_points(settings.seed, tile_id, std::uint32_t(batch), 1);
-        for (long i = 0; i < per_batch; ++i) {
-          if (use_cosine) {
-            const auto [u, v] = cosine_points.next();
-            tracer.add_cosine(tile, u, v, other_share, sums);
+        for (long first = 0; first < per_batch; first += rays_per_sum) {
+          RaySums rays;
+          for (long i = first; i < std::min(first + rays_per_sum, per_batch); ++i) {
+            if (use_cosine) {
+              const auto [u, v] = cosine_points.next();
+              tracer.add_cosine(tile, u, v, other_share, rays);
+            }
+            if (use_environment) {
+              const auto [u, v] = environment_points.next();
+              tracer.add_environment(tile, u, v, other_share, rays);
+            }
           }
-          if (use_environment) {
-            const auto [u, v] = environment_points.next();
-            tracer.add_environment(tile, u, v, other_share, sums);
-          }
+          sums.add(rays);
         }
-        for (int i = 0; i < lane_count; ++i) {
-          const glm::dvec3 irradiance(sums.light.x[i], sums.light.y[i], sums.light.z[i]);
-          statistics.add(std::size_t(i), batch + 1, irradiance / double(per_batch));
-          statistics.visibility[std::size_t(i)] += double(sums.visibility[i]) / double(per_batch);
+        for (std::size_t lane = 0; lane < lane_count; ++lane) {
+          statistics.add(lane, batch + 1, sums.light[lane] / double(per_batch));
+          statistics.visibility[lane] += sums.visibility[lane] / double(per_batch);
         }
       }
 

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -71,7 +72,7 @@ inline std::vector<PointReplicates> trace_points(const Scene& scene, const Envir
                                                  const TraceSettings& settings, int tiles = 64,
                                                  const std::vector<Light>& lights = {}) {
   EXPECT_LE(points.size(), 16u);
-  constexpr int tiles_across = 8;
+  const int tiles_across = std::min(tiles, 8);
   View view;  // the camera is the identity: view space is world space
   view.width = 4 * tiles_across;
   view.height = 4 * ((tiles + tiles_across - 1) / tiles_across);
