@@ -1,8 +1,31 @@
 #include "renderers/methods/lighting.h"
 
+#include <algorithm>
+
 #include "renderers/scene/punctual.h"
 
 namespace occlab {
+namespace {
+
+/// One row more beyond either pole: the nearest row from the other side, so that linear filtering
+/// goes on across the pole. Clamped, a surface that faces it would see the light of a direction
+/// half a texel off, and rounding would choose which: noise on every level floor.
+Image with_rows_beyond_poles(const Image& image) {
+  Image padded(image.width(), image.height() + 2, image.channels());
+  const auto copy_row = [&](int from, int to, int shift) {
+    for (int x = 0; x < image.width(); ++x) {
+      std::ranges::copy(image.pixel((x + shift) % image.width(), from),
+                        padded.pixel(x, to).begin());
+    }
+  };
+  const int half = image.width() / 2;
+  copy_row(0, 0, half);
+  for (int y = 0; y < image.height(); ++y) copy_row(y, y + 1, 0);
+  copy_row(image.height() - 1, image.height() + 1, half);
+  return padded;
+}
+
+}  // namespace
 
 Lighting::Lighting(Environment environment, std::vector<Light> lights, const View& view)
     : environment_(std::move(environment)), lights_(std::move(lights)), view_(view) {}
@@ -23,7 +46,8 @@ const Texture& Lighting::probe_texture() const {
 
 const Texture& Lighting::cone_texture() const {
   if (!cone_texture_) {
-    const ConePrefilter cones = prefilter_cones(environment_, cone_levels, cone_level_width);
+    ConePrefilter cones = prefilter_cones(environment_, cone_levels, cone_level_width);
+    for (Image& level : cones.levels) level = with_rows_beyond_poles(level);
     cone_texture_ = Texture::from_equirect_levels(cones.levels);
   }
   return *cone_texture_;

@@ -26,7 +26,8 @@ class Lighting {
   const ShRgb& sh_view() const;
   /// The probe's texels.
   const Texture& probe_texture() const;
-  /// L_c at alpha_k = (k+1)/8 pi/2. Its last layer is E_unoccluded / pi.
+  /// L_c at alpha_k = (k+1)/8 pi/2. Its last layer is E_unoccluded / pi. The first and last rows
+  /// are beyond the poles, for filtering only.
   const Texture& cone_texture() const;
   /// std140 array of PunctualLight in view space; one unused entry if there is no light.
   const Buffer& light_buffer() const;

@@ -29,14 +29,34 @@ std::string upper(std::string_view text) {
 
 Parameter integer_parameter(std::string name, long value, long minimum, long maximum,
                             std::string unit, std::string help) {
-  return {std::move(name), ParameterKind::integer, value, double(minimum),
-          double(maximum), std::move(unit),        {},    std::move(help)};
+  return {std::move(name),
+          ParameterKind::integer,
+          value,
+          double(minimum),
+          double(maximum),
+          std::move(unit),
+          {},
+          std::move(help),
+          true};
 }
 
 Parameter real_parameter(std::string name, double value, double minimum, double maximum,
                          std::string unit, std::string help) {
-  return {std::move(name), ParameterKind::real, value, minimum,
-          maximum,         std::move(unit),     {},    std::move(help)};
+  return {std::move(name),
+          ParameterKind::real,
+          value,
+          minimum,
+          maximum,
+          std::move(unit),
+          {},
+          std::move(help),
+          true};
+}
+
+Parameter seed_parameter(std::string help) {
+  Parameter parameter = integer_parameter("seed", 0, 0, 1'000'000'000, "", std::move(help));
+  parameter.in_shaders = false;
+  return parameter;
 }
 
 Parameter choice_parameter(std::string name, std::vector<std::string> choices, std::string help) {
@@ -54,7 +74,8 @@ std::string accepted_values(const Parameter& parameter) {
     case ParameterKind::choice:
       return fmt::format("one of {}", fmt::join(parameter.choices, ", "));
     case ParameterKind::integer:
-      return fmt::format("an integer in [{:g}, {:g}]", parameter.minimum, parameter.maximum);
+      // As integers: %g would round 2^24 to 1.67772e+07.
+      return fmt::format("an integer in [{:.0f}, {:.0f}]", parameter.minimum, parameter.maximum);
     case ParameterKind::real:
       break;
   }
@@ -153,6 +174,7 @@ std::string ParameterSet::to_string() const {
 std::string ParameterSet::glsl_preamble() const {
   std::string glsl;
   for (const Parameter& parameter : *declared_) {
+    if (!parameter.in_shaders) continue;
     const std::string& name = parameter.name;
     switch (parameter.kind) {
       case ParameterKind::integer:

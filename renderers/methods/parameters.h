@@ -26,12 +26,16 @@ struct Parameter {
   std::string unit;                                           ///< "" if it has none
   std::vector<std::string> choices;                           ///< accepted words of a choice
   std::string help;                                           ///< one sentence, with its source
+  /// Whether shaders are told. A seed is not: every new one would compile every pass again.
+  bool in_shaders = true;
 };
 
 Parameter integer_parameter(std::string name, long value, long minimum, long maximum,
                             std::string unit, std::string help);
 Parameter real_parameter(std::string name, double value, double minimum, double maximum,
                          std::string unit, std::string help);
+/// `seed`: what a run is repeated with; used on the CPU only.
+Parameter seed_parameter(std::string help);
 Parameter choice_parameter(std::string name, std::vector<std::string> choices, std::string help);
 
 /// "integer in [1, 256]", "one of binary, lambda": what a parameter accepts, for messages and help.
@@ -61,7 +65,8 @@ class ParameterSet {
   /// "samples=32 steps=2 ...", in declared order: part of a cell's identity.
   std::string to_string() const;
 
-  /// GLSL: integers and choices as `#define PARAMETER_samples 32`, the words of a choice as
+  /// GLSL, of those that are `in_shaders`: integers and choices as `#define PARAMETER_samples 32`,
+  /// the words of a choice as
   /// `#define WEIGHT_LAMBDA 1`, reals as `uniform float d_max_world;`.
   std::string glsl_preamble() const;
 

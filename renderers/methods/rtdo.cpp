@@ -68,7 +68,7 @@ MethodInfo rtdo() {
               choice_parameter("estimator", estimator_words,
                                "how directions are drawn: balance heuristic of both, in proportion "
                                "to the cosine, or to the probe's texels"),
-              integer_parameter("seed", 0, 0, 1'000'000'000, "", "draws the directions"),
+              seed_parameter("draws the directions"),
               real_parameter("d_max_world", 1.0, 1e-6, std::numeric_limits<double>::infinity(),
                              "scene units", "farthest blocker that counts; inf is accepted"),
               choice_parameter("weight", {"binary", "lambda", "smoothstep"},

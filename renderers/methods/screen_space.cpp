@@ -92,7 +92,7 @@ std::vector<Parameter> screen_space_parameters() {
   return {
       integer_parameter("samples", 32, 1, 256, "", "N, directions a pixel [S3HO sec. 3]"),
       integer_parameter("steps", 2, 1, 64, "", "S, march steps a direction [S3HO sec. 4]"),
-      integer_parameter("seed", 0, 0, 1'000'000'000, "", "draws the sample set"),
+      seed_parameter("draws the sample set"),
       real_parameter("d_max_world", 1.0, 1e-6, 1e6, "scene units",
                      "farthest blocker that counts [S3HO eq. 2]; unstated in the paper"),
       real_parameter("bias_world", 1e-3, 0.0, 1e6, "scene units",

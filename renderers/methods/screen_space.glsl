@@ -80,6 +80,8 @@ vec3 probe_radiance(vec3 s) {
 // L_c(d, angle) of the pre-convolved levels, linear in the angle.
 vec3 cone_radiance(vec3 d, float angle) {
   vec2 uv = equirect_uv(probe_from_view * d);
+  float rows = float(textureSize(cone_light, 0).y);
+  uv.y = (uv.y * (rows - 2.0) + 1.0) / rows;  // a row more beyond either pole
   float level = clamp(angle / pi_over_levels - 1.0, 0.0, 7.0);
   float lower = floor(level);
   vec3 a = textureLod(cone_light, vec3(uv, lower), 0.0).rgb;

@@ -7,7 +7,9 @@ SHARED_BEGIN
 
 // (u, v) in [0, 1]^2 of unit direction d, probe space.
 SHARED vec2 equirect_uv(vec3 d) {
-  return vec2(0.5f + atan(d.z, d.x) / (2.0f * pi), acos(clamp(d.y, -1.0f, 1.0f)) / pi);
+  // GLSL leaves atan(0, 0) undefined; a level floor asks for it.
+  const float phi = d.x == 0.0f && d.z == 0.0f ? 0.0f : atan(d.z, d.x);
+  return vec2(0.5f + phi / (2.0f * pi), acos(clamp(d.y, -1.0f, 1.0f)) / pi);
 }
 
 // Unit direction, probe space, of (u, v).
