@@ -1,6 +1,12 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "harness/verbs/verbs.h"
 #include "renderers/scene/error.h"
@@ -13,6 +19,28 @@ int report(const char* what, occlab::ExitCode code) {
   return code;
 }
 
+/// One line, as all our errors.
+std::string usage_message(const CLI::App*, const CLI::Error& error) {
+  return fmt::format("occlab: {}; see --help\n", error.what());
+}
+
+/// CLI11 would only say that a verb is required.
+void check_verb(const CLI::App& app, int argc, char** argv) {
+  if (argc < 2 || argv[1][0] == '-') return;
+  std::vector<std::string> verbs;
+  for (const CLI::App* verb : app.get_subcommands({})) verbs.push_back(verb->get_name());
+  if (std::find(verbs.begin(), verbs.end(), argv[1]) != verbs.end()) return;
+  throw occlab::InputError(
+      fmt::format("unknown verb '{}'{}", argv[1], occlab::accepted_words(argv[1], verbs)));
+}
+
+/// What was printed may still be in a buffer: a full disk shows here.
+void flush_output() {
+  if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return;
+  throw occlab::DeviceError(
+      fmt::format("standard output cannot be written: {}", std::strerror(errno)));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -23,6 +51,7 @@ int main(int argc, char** argv) {
       "occlab");
   app.set_version_flag("--version", "occlab " OCCLAB_VERSION);
   app.require_subcommand(1);
+  app.failure_message(usage_message);
   occlab::Action action;
   occlab::add_run_verb(app, action);
   occlab::add_render_verb(app, action);
@@ -31,9 +60,12 @@ int main(int argc, char** argv) {
   occlab::add_list_verb(app, action);
   occlab::add_export_verb(app, action);
   try {
+    check_verb(app, argc, argv);
     app.parse(argc, argv);
     occlab::catch_interrupts();
-    return action();
+    const int code = action();
+    flush_output();
+    return code;
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? occlab::exit_good : occlab::exit_bad_input;
   } catch (const occlab::InputError& error) {
