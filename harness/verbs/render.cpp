@@ -1,6 +1,9 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <chrono>
+#include <cstring>
 #include <filesystem>
 
 #include "harness/verbs/verbs.h"
@@ -37,12 +40,22 @@ ParameterSet parse_settings(const MethodInfo& method, const std::vector<std::str
   return parameters;
 }
 
+/// Said before the rendering, which may take minutes, and not after it.
+void check_output(const std::string& output) {
+  if (!output.ends_with(".exr")) {
+    throw InputError(fmt::format("-o {}: accepted is a path that ends in .exr", output));
+  }
+  const std::filesystem::path folder = std::filesystem::absolute(output).parent_path();
+  if (::access(folder.c_str(), W_OK | X_OK) != 0 || !std::filesystem::is_directory(folder)) {
+    throw DeviceError(fmt::format("-o {}: cannot be written: {}: {}", output, folder.string(),
+                                  std::strerror(errno != 0 ? errno : ENOTDIR)));
+  }
+}
+
 int render(RenderOptions options) {
   const MethodInfo& method = find_method(options.method);
   const ParameterSet parameters = parse_settings(method, options.settings);
-  if (!options.output.ends_with(".exr")) {
-    throw InputError(fmt::format("-o {}: accepted is a path that ends in .exr", options.output));
-  }
+  check_output(options.output);
   options.view.width = options.resolution[0];
   options.view.height = options.resolution[1];
   if (!options.probe.source.empty()) options.view.probe = options.probe;
@@ -88,8 +101,7 @@ void add_render_verb(CLI::App& app, Action& action) {
                    "turns the probe counter-clockwise from above, degrees");
   verb->add_option("--exposure", options->probe.exposure_stops, "probe times 2^stops");
   verb->add_option("--prefilter", options->probe.prefilter_degrees,
-                   "sigma of a Gaussian over the probe, degrees")
-      ->check(CLI::Range(0.0, 60.0));
+                   "sigma of a Gaussian over the probe, degrees");
   verb->add_option("--method", options->method, "see 'occlab list methods'")->required();
   verb->add_option("--set", options->settings, "NAME=VALUE of a parameter of the method");
   verb->add_option("--device", options->device, "see 'occlab list devices'")->capture_default_str();
