@@ -48,10 +48,10 @@ Workbench::Workbench(const ViewSettings& settings, const std::string& device)
     : context_(device),
       scene_(load_scene(scene_path(settings.scene))),
       probe_(settings.probe ? *settings.probe : scene_probe(scene_)),
-      scene_hash_(sha256_file(scene_.path)),
-      probe_hash_(hash_probe(probe_)) {
+      scene_hash_(sha256_file(scene_.path)) {
   const View view{find_camera(scene_, settings.view), settings.width, settings.height};
   Lighting lighting(load_light(scene_, probe_), scene_.lights, view);
+  probe_hash_ = hash_probe(probe_);  // after load_light, which says what is wrong with the name
   gpu_scene_.emplace(scene_);
   frame_.emplace(Frame{.scene = scene_,
                        .gpu_scene = *gpu_scene_,
