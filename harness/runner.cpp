@@ -39,18 +39,31 @@ std::string label(const PlannedCell& cell) {
   return text;
 }
 
+/// What a run makes, by name; anything else in the folder is the user's.
+void remove_results(const fs::path& folder) {
+  for (const char* name :
+       {"cells", "damaged", "tables", "figures", "measurements.csv", "run.json"}) {
+    fs::remove_all(folder / name);
+  }
+}
+
+fs::path results_folder(const RunOptions& options) {
+  if (options.fresh) remove_results(options.out);
+  return options.out;
+}
+
 /// One run over one results folder.
 class Run {
  public:
   Run(const Experiment& experiment, const RunOptions& options)
       : experiment_(experiment),
-        store_(options.out),
         bench_({.scene = experiment.scene.source,
                 .view = experiment.scene.view,
                 .width = experiment.scene.width,
                 .height = experiment.scene.height,
                 .probe = experiment.probe},
-               options.device) {
+               options.device),
+        store_(results_folder(options)) {
     for (PlannedCell& cell : plan(experiment, methods())) {
       CellKey key = cell_key(bench_, cell);
       cells_.push_back({std::move(cell), std::move(key)});
@@ -64,6 +77,20 @@ class Run {
   }
 
   void finish() {
+    try {
+      do_what_is_missing();
+    } catch (const Interrupted&) {
+      const auto finished = std::ranges::count_if(
+          cells_, [&](const PlannedKey& cell) { return store_.has(cell.key); });
+      throw Interrupted(
+          fmt::format("interrupted; {} of {} cells are finished and kept, the same command goes on "
+                      "from there",
+                      finished, cells_.size()));
+    }
+  }
+
+ private:
+  void do_what_is_missing() {
     const std::size_t rendered = render_missing();
     const std::string timing_key = make_timing_key();
     const json previous = read_previous();
@@ -101,6 +128,7 @@ class Run {
     const TimingTableSettings table_settings = timing_table_settings(experiment_);
     report["timing_table"] = {{"baseline", table_settings.baseline},
                               {"published", table_settings.published}};
+    report["measurements_sha256"] = sha256_file(measurements_path());
     report["warnings"] = warnings_;
     report["cells"] = json::array();
     for (const PlannedKey& cell : cells_) {
@@ -113,31 +141,32 @@ class Run {
     fmt::print("{}", format_tables(tables, "md"));
   }
 
- private:
   fs::path measurements_path() const { return store_.folder() / "measurements.csv"; }
   fs::path report_path() const { return store_.folder() / "run.json"; }
 
   void warn(std::string warning) { warnings_.push_back(std::move(warning)); }
 
+  /// For what is found on the way; the constructor prints what is found at the start.
+  void warn_now(std::string warning) {
+    fmt::print(stderr, "occlab: {}\n", warning);
+    warn(std::move(warning));
+  }
+
   std::size_t render_missing() {
     std::vector<const PlannedKey*> missing;
     for (const PlannedKey& cell : cells_) {
-      if (!store_.has(cell.key)) missing.push_back(&cell);
+      if (store_.has(cell.key)) continue;
+      const std::string damage = store_.read(cell.key).warning;
+      if (!damage.empty()) warn_now(damage);
+      missing.push_back(&cell);
     }
     fmt::print(stderr, "{} cells, {} to render\n", cells_.size(), missing.size());
     std::map<std::string, std::unique_ptr<OcclusionMethod>> instances;
     Progress progress("rendering", missing.size());
     for (std::size_t i = 0; i < missing.size(); ++i) {
-      try {
-        throw_if_interrupted();
-        progress.update(i, label(missing[i]->planned));
-        render(*missing[i], instances);
-      } catch (const Interrupted&) {
-        throw Interrupted(
-            fmt::format("interrupted; {} of {} cells are finished and kept, the same "
-                        "command goes on from there",
-                        cells_.size() - missing.size() + i, cells_.size()));
-      }
+      throw_if_interrupted();
+      progress.update(i, label(missing[i]->planned));
+      render(*missing[i], instances);
     }
     return missing.size();
   }
@@ -163,8 +192,7 @@ class Run {
   Layers read_cell(const PlannedKey& cell) {
     ReadCell read = store_.read(cell.key);
     if (!read.cell) {
-      warn(read.warning + "; rendered again");
-      fmt::print(stderr, "occlab: {}; rendering it again\n", read.warning);
+      warn_now(read.warning + "; rendered again");
       std::map<std::string, std::unique_ptr<OcclusionMethod>> instances;
       render(cell, instances);
       read = store_.read(cell.key);
@@ -213,9 +241,18 @@ class Run {
                                    bench_.scene_hash()));
   }
 
-  json read_previous() const {
+  /// What run.json says of the numbers in measurements.csv; nothing where the two do not belong
+  /// together: a file was edited, or a run was killed between writing one and the other.
+  json read_previous() {
     if (!fs::exists(report_path()) || !fs::exists(measurements_path())) return json::object();
-    return json::parse(read_text(report_path()), nullptr, false);
+    json report = json::parse(read_text(report_path()), nullptr, false);
+    if (report.is_object() &&
+        report.value("measurements_sha256", json()) == sha256_file(measurements_path())) {
+      return report;
+    }
+    warn_now(fmt::format("{} is not the one that {} describes: measured and timed again",
+                         measurements_path().string(), report_path().string()));
+    return json::object();
   }
 
   std::vector<Measurement> previous_rows(bool times) const {
@@ -231,24 +268,15 @@ class Run {
   }
 
   const Experiment& experiment_;
-  CellStore store_;
   Workbench bench_;
+  CellStore store_;  // after bench_: a run that cannot start leaves the folder as it was
   std::vector<PlannedKey> cells_;
   std::vector<std::string> warnings_;
 };
 
-/// What a run makes, by name; anything else in the folder is the user's.
-void remove_results(const fs::path& folder) {
-  for (const char* name :
-       {"cells", "damaged", "tables", "figures", "measurements.csv", "run.json"}) {
-    fs::remove_all(folder / name);
-  }
-}
-
 }  // namespace
 
 void run_experiment(const Experiment& experiment, const RunOptions& options) {
-  if (options.fresh) remove_results(options.out);
   Run(experiment, options).finish();
 }
 
