@@ -54,12 +54,15 @@ void write_tables(const std::vector<Table>& tables, const std::filesystem::path&
 }
 
 std::string format_tables(const std::vector<Table>& tables, const std::string& format) {
+  const bool json = format == "json";
   std::string text;
   for (const Table& table : tables) {
-    if (!text.empty()) text += "\n";
-    text += format_table(table, format);
+    if (!text.empty()) text += json ? ",\n" : "\n";
+    std::string one = format_table(table, format);
+    if (json && one.ends_with('\n')) one.pop_back();
+    text += one;
   }
-  return text;
+  return json ? "[\n" + text + "\n]\n" : text;
 }
 
 }  // namespace occlab

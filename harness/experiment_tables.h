@@ -23,7 +23,7 @@ std::vector<Table> make_tables(const std::vector<Measurement>& measurements,
 /// Every table in every format, as FOLDER/NAME.md and so on.
 void write_tables(const std::vector<Table>& tables, const std::filesystem::path& folder);
 
-/// All tables in one format, as one text.
+/// All tables in one format, as one text; "json" is one array with an object for each.
 std::string format_tables(const std::vector<Table>& tables, const std::string& format);
 
 }  // namespace occlab
