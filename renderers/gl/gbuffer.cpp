@@ -1,8 +1,12 @@
 #include "renderers/gl/gbuffer.h"
 
+#include <fmt/format.h>
+
 #include <array>
+#include <cmath>
 
 #include "renderers/gl/context.h"
+#include "renderers/scene/error.h"
 
 namespace occlab {
 namespace {
@@ -64,6 +68,21 @@ Image rgb_of(const Image& rgba) {
   return rgb;
 }
 
+/// A surface point that is not finite would send the ray tracer into an endless loop.
+void check_finite(const Image& image, const Image& mask, const char* what) {
+  for (int y = 0; y < mask.height(); ++y) {
+    for (int x = 0; x < mask.width(); ++x) {
+      if (mask.at(x, y) == 0.0f) continue;
+      for (const float value : image.pixel(x, y)) {
+        if (!std::isfinite(value)) {
+          throw DeviceError(
+              fmt::format("the G-buffer's {} at pixel ({}, {}) is not finite", what, x, y));
+        }
+      }
+    }
+  }
+}
+
 }  // namespace
 
 void delete_vertex_array(GLuint id) { glDeleteVertexArrays(1, &id); }
@@ -119,9 +138,13 @@ GBufferImages download(const GBuffer& gbuffer) {
   for (std::size_t p = 0; p < mask.pixel_count(); ++p) {
     mask.values()[p] = position.values()[p * 4 + 3];
   }
-  return {rgb_of(position), rgb_of(gbuffer.normal_view().download()),
-          rgb_of(gbuffer.geometric_normal_view().download()), rgb_of(gbuffer.albedo().download()),
-          std::move(mask)};
+  GBufferImages images{rgb_of(position), rgb_of(gbuffer.normal_view().download()),
+                       rgb_of(gbuffer.geometric_normal_view().download()),
+                       rgb_of(gbuffer.albedo().download()), std::move(mask)};
+  check_finite(images.position_view, images.mask, "position");
+  check_finite(images.normal_view, images.mask, "normal");
+  check_finite(images.geometric_normal_view, images.mask, "geometric normal");
+  return images;
 }
 
 }  // namespace occlab

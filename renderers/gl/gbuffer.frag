@@ -13,9 +13,14 @@ layout(location = 3) out vec4 out_albedo;
 
 void main() {
   // Surfaces are two-sided: both normals are turned to the viewer's side of the triangle.
-  vec3 geometric = normalize(cross(dFdx(position_view), dFdy(position_view)));
-  if (dot(geometric, position_view) > 0.0) geometric = -geometric;
   vec3 shading = normalize(normal_view);
+  vec3 across = cross(dFdx(position_view), dFdy(position_view));
+  float squared = dot(across, across);
+  // The derivatives reach beyond the triangle; where that runs behind the camera or a sliver leaves
+  // nothing to derive, the shading normal stands in.
+  bool derived = squared > 0.0 && squared < 1e30;
+  vec3 geometric = derived ? across * inversesqrt(squared) : shading;
+  if (dot(geometric, position_view) > 0.0) geometric = -geometric;
   if (dot(shading, geometric) < 0.0) shading = -shading;
   out_position = vec4(position_view, 1.0);
   out_normal = vec4(shading, 0.0);
