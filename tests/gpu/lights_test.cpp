@@ -1,0 +1,317 @@
+// Punctual lights in the passes, and what turning or mirroring the world must not change.
+
+#include <gtest/gtest.h>
+
+#include "renderers/shared/representation_bent_cone.h"
+#include "renderers/shared/sh.h"
+#include "tests/analytic/traced_points.h"
+#include "tests/gpu/gpu_frame.h"
+
+namespace occlab::test {
+namespace {
+
+const View corner_view = look_at({5, 4, 3}, {0.3f, 0.4f, 0}, 0.4f, 48, 36);
+const Environment black = constant_environment(glm::vec3(0.0f));
+
+Light directional(glm::vec3 travel, glm::vec3 intensity) {
+  return {.name = "sun",
+          .type = LightType::directional,
+          .direction_world = glm::normalize(travel),
+          .intensity = intensity};
+}
+
+glm::vec3 normal_at(const TestFrame& frame, int x, int y) {
+  return glm::vec3(pixel3(frame.surface().normal_view, x, y));
+}
+
+template <typename Body>
+void for_each_surface(const TestFrame& frame, const Body& body) {
+  for (int y = 0; y < frame.height(); ++y) {
+    for (int x = 0; x < frame.width(); ++x) {
+      if (frame.surface().mask.at(x, y) > 0.0f) body(x, y);
+    }
+  }
+}
+
+TEST(DirectionalLight, SsaoScalesItByTheOcclusion) {
+  const Light sun = directional({-1, -2, -0.5f}, {3, 2, 1});
+  const TestFrame frame(floor_and_tall_wall(4.0f), corner_view, black, {sun});
+  const glm::vec3 toward(frame.frame().view.view_from_world() *
+                         glm::vec4(-sun.direction_world, 0.0f));
+  const Layers layers = frame.evaluate("ssao", {});
+  for_each_surface(frame, [&](int x, int y) {
+    const float E = std::max(glm::dot(normal_at(frame, x, y), toward), 0.0f);
+    const float k = layers.at("ambient_occlusion").at(x, y);
+    for (int c = 0; c < 3; ++c) {
+      EXPECT_NEAR(layers.at("radiance").at(x, y, c), sun.intensity[c] * k * E / pi, 1e-5f);
+    }
+  });
+}
+
+TEST(DirectionalLight, S3hoTakesItsWindowedHarmonics) {
+  const Light sun = directional({-1, -2, -0.5f}, {3, 2, 1});
+  const TestFrame frame(floor_and_tall_wall(4.0f), corner_view, black, {sun});
+  const glm::vec3 toward(frame.frame().view.view_from_world() *
+                         glm::vec4(-sun.direction_world, 0.0f));
+  for (const double width : {0.0, 4.0, 2.5}) {
+    const Layers layers = frame.evaluate("s3ho", {{"hanning_width", width}});
+    for_each_surface(frame, [&](int x, int y) {
+      const auto c = layers.at("sh_visibility").pixel(x, y);
+      const Sh4 visibility{vec4(c[0], c[1], c[2], c[3]), vec4(c[4], c[5], c[6], c[7]),
+                           vec4(c[8], c[9], c[10], c[11]), vec4(c[12], c[13], c[14], c[15])};
+      vec4 window(1.0f);
+      for (int l = 0; l < 4 && width > 0.0; ++l) {
+        window[l] = l < width ? float(0.5 * (1.0 + std::cos(pi_d * l / width))) : 0.0f;
+      }
+      const float E = sh_dot(sh_scale_bands(sh_basis(toward), window), visibility);
+      for (int channel = 0; channel < 3; ++channel) {
+        EXPECT_NEAR(layers.at("radiance").at(x, y, channel),
+                    std::max(sun.intensity[channel] * E / pi, 0.0f), 1e-5f);
+      }
+    });
+  }
+  // Head-on, unoccluded: 17/16 of E_perp without a window, .833027 with w = 4.
+  const TestFrame open(open_floor(), corner_view, black, {directional({0, -1, 0}, glm::vec3(1))});
+  for (const auto& [width, response] : {std::pair(0.0, 17.0 / 16.0), std::pair(4.0, 0.833027)}) {
+    const Image radiance =
+        open.layer("s3ho", "radiance", {{"hanning_width", width}, {"samples", 256L}});
+    EXPECT_NEAR(radiance.at(20, 20) * pi_d, response, 3e-3);
+  }
+}
+
+TEST(DirectionalLight, SsdoMarchesTowardIt) {
+  // From behind the wall at 45 degrees: the floor is in shadow up to the reach of the march, and
+  // lit where a blocker is too far away.
+  const Light sun = directional({1, -1, 0}, glm::vec3(1.0f));
+  const TestFrame frame(floor_and_tall_wall(4.0f), look_at({7, 3, 0}, {0, 0.9f, 0}, 0.5f, 48, 60),
+                        black, {sun});
+  const Image radiance =
+      frame.layer("ssdo", "radiance", {{"filter", "none"}, {"steps", 64L}, {"bias_world", 1e-4}});
+  int shadowed = 0, lit = 0;
+  for_each_surface(frame, [&](int x, int y) {
+    const glm::vec3 p(frame.frame().view.camera.world_from_camera *
+                      glm::vec4(glm::vec3(pixel3(frame.surface().position_view, x, y)), 1.0f));
+    if (p.y > 1e-3f) {
+      EXPECT_EQ(radiance.at(x, y), 0.0f) << "the wall faces away";
+    } else if (p.x < 0.6f && p.x > 0.1f) {
+      EXPECT_EQ(radiance.at(x, y), 0.0f) << p.x;
+      ++shadowed;
+    } else if (p.x > 0.75f) {  // the wall is farther than d_max = 1 along the light: x sqrt(2)
+      EXPECT_NEAR(radiance.at(x, y), std::sqrt(0.5) / pi_d, 1e-5) << p.x;
+      ++lit;
+    }
+  });
+  EXPECT_GT(shadowed, 50);
+  EXPECT_GT(lit, 200);
+}
+
+TEST(DirectionalLight, SsbnLightsWhatLiesInTheCone) {
+  const Light sun = directional({-1, -2, -0.5f}, glm::vec3(1.0f));
+  const TestFrame frame(floor_and_tall_wall(4.0f), corner_view, black, {sun});
+  const glm::vec3 toward(frame.frame().view.view_from_world() *
+                         glm::vec4(-sun.direction_world, 0.0f));
+  for (const char* mode : {"linear", "exact"}) {
+    const Layers layers = frame.evaluate("ssbn", {{"cone_angle", mode}});
+    int edge = 0;
+    for_each_surface(frame, [&](int x, int y) {
+      const glm::dvec3 bent = pixel3(layers.at("bent_normal"), x, y);
+      const double cap = std::clamp(2.0 * glm::length(bent) - 1.0, 0.0, 1.0);
+      const double C = std::string(mode) == "exact" ? std::acos(cap) : (1.0 - cap) * pi_d / 2;
+      const glm::dvec3 N = glm::normalize(bent);
+      const double cosine = glm::dot(N, glm::dvec3(toward));
+      if (std::abs(cosine - std::cos(C)) < 1e-3) {
+        ++edge;
+        return;
+      }
+      const double L =
+          cosine > std::max(std::cos(C), 0.0) ? cosine / (1.0 - std::cos(C)) / pi_d : 0.0;
+      const double expected = double(layers.at("uniform_occlusion").at(x, y)) * L *
+                              glm::dot(N, glm::dvec3(normal_at(frame, x, y)));
+      EXPECT_NEAR(layers.at("radiance").at(x, y), expected, 2e-3 * expected + 1e-6) << mode;
+    });
+    EXPECT_LT(edge, 200);
+  }
+  // Unoccluded it is the light itself: E_perp cos.
+  const TestFrame open(open_floor(), corner_view, black, {directional({-1, -2, 0}, glm::vec3(1))});
+  EXPECT_NEAR(open.layer("ssbn", "radiance", {{"samples", 256L}}).at(20, 20),
+              2.0 / std::sqrt(5.0) / pi_d, 2e-3);
+}
+
+TEST(PointLight, FallsOffWithTheSquareOfTheDistance) {
+  Light lamp{.name = "lamp", .position_world = {0.5f, 2, 0.25f}, .intensity = {4, 2, 1}};
+  const TestFrame frame(open_floor(), corner_view, black, {lamp});
+  const glm::vec3 at(frame.frame().view.view_from_world() * glm::vec4(lamp.position_world, 1.0f));
+  for (const char* method : {"ssao", "ssdo"}) {
+    const Image radiance = frame.layer(method, "radiance", {{"filter", "none"}});
+    for_each_surface(frame, [&](int x, int y) {
+      const glm::vec3 d = at - glm::vec3(pixel3(frame.surface().position_view, x, y));
+      const float E = glm::dot(normal_at(frame, x, y), d) / std::pow(glm::length(d), 3.0f);
+      EXPECT_NEAR(radiance.at(x, y, 1), 2.0f * E / pi, 1e-4f * E) << method;
+    });
+  }
+}
+
+TEST(ThreeBoxes, ShadowsSwapColourWhenTheLightsSwap) {
+  // The paper's Fig. 5. Light adds up: with A and B what either light of unit white gives, the
+  // scene is A a + B b in its colours a, b, and A b + B a with them swapped.
+  const Scene scene =
+      load_scene(std::string(OCCLAB_SOURCE_DIR) + "/scenes/three_boxes/three_boxes.glb");
+  ASSERT_EQ(scene.lights.size(), 2u);
+  const View view{scene.cameras.front(), 96, 54};
+  const auto render = [&](const std::string& method, glm::vec3 first, glm::vec3 second) {
+    std::vector<Light> lights = scene.lights;
+    lights[0].intensity = first;
+    lights[1].intensity = second;
+    const TestFrame frame(scene, view, black, lights);
+    // Unwindowed negative lobes would be cut off, and cut values do not add up.
+    return frame.layer(method, "radiance", {{"d_max_world", 2.0}, {"hanning_width", 2.5}});
+  };
+  const glm::vec3 pink = scene.lights[0].intensity, turquoise = scene.lights[1].intensity;
+  const double scale = double(glm::length(pink));
+  for (const char* method : {"s3ho", "ssdo"}) {
+    const Image A = render(method, glm::vec3(1), glm::vec3(0));
+    const Image B = render(method, glm::vec3(0), glm::vec3(1));
+    const Image both = render(method, pink, turquoise);
+    const Image swapped = render(method, turquoise, pink);
+    int shadows = 0, cut = 0;
+    for (int y = 0; y < view.height; ++y) {
+      for (int x = 0; x < view.width; ++x) {
+        const double a = double(A.at(x, y)), b = double(B.at(x, y));
+        if (a == 0.0 || b == 0.0) {
+          ++cut;  // perhaps below zero
+          continue;
+        }
+        for (int c = 0; c < 3; ++c) {
+          const double plain = a * double(pink[c]) + b * double(turquoise[c]);
+          const double exchanged = a * double(turquoise[c]) + b * double(pink[c]);
+          EXPECT_NEAR(both.at(x, y, c), plain, 1e-4 * scale);
+          EXPECT_NEAR(swapped.at(x, y, c), exchanged, 1e-4 * scale);
+        }
+        // Where one light is shadowed, the pixel has the other's colour.
+        if (a < 0.5 * b || b < 0.5 * a) {
+          ++shadows;
+          const glm::dvec3 colour(a < b ? turquoise : pink), other(a < b ? pink : turquoise);
+          const auto angle = [](glm::dvec3 u, glm::dvec3 v) {
+            return std::acos(std::min(1.0, glm::dot(glm::normalize(u), glm::normalize(v))));
+          };
+          EXPECT_LT(angle(pixel3(both, x, y), colour), angle(pixel3(both, x, y), other));
+          EXPECT_LT(angle(pixel3(swapped, x, y), other), angle(pixel3(swapped, x, y), colour));
+        }
+      }
+    }
+    EXPECT_GT(shadows, 20) << method;
+    EXPECT_LT(cut, view.width * view.height) << method;
+  }
+}
+
+/// A scene without any symmetry, its lights and probe.
+struct World {
+  glm::mat4 place{1.0f};  ///< applied to everything, camera included
+  std::function<glm::vec3(glm::vec3)> sky = [](glm::vec3 d) {
+    return glm::vec3(1.0f + d.x, 1.0f + d.y * d.z, std::max(0.0f, d.x + d.y - d.z));
+  };
+  Scene scene(const glm::mat4& before = glm::mat4(1.0f)) const {
+    return SceneBuilder()
+        .add(quad({-9, 0, -9}, {0, 0, 18}, {18, 0, 0}), place * before)
+        .add(quad({-0.2f, 0, 0.5f}, {0.3f, 1.4f, 0}, {0.2f, 0, -2}), place * before)
+        .add(sphere_part({1.1, 0.5, 0.2}, 0.5, 0, pi_d, 24), place * before)
+        .build();
+  }
+};
+
+TEST(Invariance, TurningEverythingTogetherChangesNothing) {
+  const View view = look_at({4, 3, 3}, {0.5f, 0.5f, 0}, 0.45f, 48, 36);
+  World world;
+  const Light sun = directional({-1, -2, -0.5f}, {3, 2, 1});
+  const TestFrame plain(world.scene(), view, probe_of(64, world.sky), {sun});
+
+  world.place = glm::translate(glm::mat4(1.0f), {3, -2, 1}) *
+                glm::rotate(glm::mat4(1.0f), 2.1f, glm::normalize(glm::vec3(1, -2, 3)));
+  View turned_view = view;
+  turned_view.camera.world_from_camera = world.place * view.camera.world_from_camera;
+  Environment turned_probe = probe_of(64, world.sky);
+  turned_probe.probe_from_world = glm::transpose(glm::mat3(world.place));
+  Light turned_sun = sun;
+  turned_sun.direction_world = glm::mat3(world.place) * sun.direction_world;
+  const TestFrame turned(world.scene(), turned_view, turned_probe, {turned_sun});
+
+  for (const std::string& method : screen_space_methods) {
+    const Image a = plain.layer(method, "radiance", {{"filter", "none"}});
+    const Image b = turned.layer(method, "radiance", {{"filter", "none"}});
+    // Rounding may push a sample or a texel over an edge in a few pixels.
+    int differing = 0;
+    for (std::size_t i = 0; i < a.values().size(); ++i) {
+      differing += std::abs(a.values()[i] - b.values()[i]) > 2e-3f ? 1 : 0;
+    }
+    EXPECT_LT(differing, int(a.values().size() / 50)) << method;
+  }
+}
+
+/// Means over 8x6 blocks of the image, one row of seeds each block and channel.
+std::vector<std::vector<double>> block_means(const TestFrame& frame, const std::string& method,
+                                             bool flip_x, bool flip_y) {
+  std::vector<std::vector<double>> blocks(6 * 6 * 3);
+  for (long seed = 0; seed < 12; ++seed) {
+    const Image image =
+        frame.layer(method, "radiance", {{"filter", "none"}, {"samples", 48L}, {"seed", seed}});
+    std::vector<double> sums(blocks.size());
+    for (int y = 0; y < 36; ++y) {
+      for (int x = 0; x < 48; ++x) {
+        const int block = (x / 8) + 6 * (y / 6);
+        for (int c = 0; c < 3; ++c) {
+          sums[std::size_t(3 * block + c)] +=
+              double(image.at(flip_x ? 47 - x : x, flip_y ? 35 - y : y, c)) / 48.0;
+        }
+      }
+    }
+    for (std::size_t i = 0; i < sums.size(); ++i) blocks[i].push_back(sums[i]);
+  }
+  return blocks;
+}
+
+void expect_equal_blocks(const TestFrame& a, const TestFrame& b, bool flip_x, bool flip_y) {
+  for (const std::string& method : screen_space_methods) {
+    const auto plain = block_means(a, method, false, false);
+    const auto other = block_means(b, method, flip_x, flip_y);
+    for (std::size_t i = 0; i < plain.size(); ++i) {
+      const Mean p = mean_of(plain[i]), q = mean_of(other[i]);
+      // One bound for what edges of pixels and cone texels do.
+      EXPECT_TRUE(agrees({p.value - q.value, std::hypot(p.standard_error, q.standard_error), 22.0},
+                         0.0, 6e-3))
+          << method << " block " << i / 3 << " channel " << i % 3;
+    }
+  }
+}
+
+TEST(Invariance, MirroringTheWorldMirrorsTheImage) {
+  // Across the plane x = 0 of the camera's own frame, which is the world's here.
+  const glm::mat4 mirror = glm::scale(glm::mat4(1.0f), glm::vec3(-1, 1, 1));
+  World world;
+  const View view = look_at({0, 3, 5}, {0, 0.5f, 0}, 0.45f, 48, 36);
+  const Light sun = directional({-1, -2, -0.5f}, {3, 2, 1});
+  const Light mirrored_sun = directional({1, -2, -0.5f}, {3, 2, 1});
+  const TestFrame plain(world.scene(), view, probe_of(64, world.sky), {sun});
+  const TestFrame mirrored(world.scene(mirror), view,
+                           probe_of(64,
+                                    [&](glm::vec3 d) {
+                                      return world.sky({-d.x, d.y, d.z});
+                                    }),
+                           {mirrored_sun});
+  expect_equal_blocks(plain, mirrored, true, false);
+}
+
+TEST(Invariance, RollingTheCameraTurnsTheImage) {
+  // Other view-space directions, tangent frames and harmonics; the same picture, upside down.
+  World world;
+  const View view = look_at({4, 3, 3}, {0.5f, 0.5f, 0}, 0.45f, 48, 36);
+  View rolled = view;
+  rolled.camera.world_from_camera =
+      view.camera.world_from_camera * glm::rotate(glm::mat4(1.0f), float(pi_d), glm::vec3(0, 0, 1));
+  const Light sun = directional({-1, -2, -0.5f}, {3, 2, 1});
+  const TestFrame plain(world.scene(), view, probe_of(64, world.sky), {sun});
+  const TestFrame upside_down(world.scene(), rolled, probe_of(64, world.sky), {sun});
+  expect_equal_blocks(plain, upside_down, true, true);
+}
+
+}  // namespace
+}  // namespace occlab::test
