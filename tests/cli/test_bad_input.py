@@ -1,4 +1,4 @@
-"""Bad input: exit code 2, one line that names file and key and what is accepted, nothing written."""
+"""Bad input: exit code 2, one line with file, key and what is accepted, nothing written."""
 
 import math
 import struct
@@ -20,7 +20,8 @@ class Usage(CliTest):
                      "ssao", "-o", self.folder / "out.png")
 
     def test_resolution(self):
-        for values in (("0", "16"), ("-3", "16"), ("16", "20000"), ("16", "wide"), ("16",), ("1.5", "2")):
+        for values in (("0", "16"), ("-3", "16"), ("16", "20000"), ("16", "wide"), ("16",),
+                       ("1.5", "2")):
             with self.subTest(values):
                 self.refused(2, ["--resolution"], "render", "--scene", "three_boxes", "--method",
                              "ssao", "-o", self.folder / "out.exr", "--resolution", *values)
@@ -93,8 +94,8 @@ class Scenes(CliTest):
 
     def test_corrupt(self):
         whole = THREE_BOXES.read_bytes()
-        for name, data in {"text": b"not a scene at all", "empty": b"", "cut": whole[:len(whole) // 2],
-                           "header": whole[:12]}.items():
+        for name, data in {"text": b"not a scene at all", "empty": b"",
+                           "cut": whole[:len(whole) // 2], "header": whole[:12]}.items():
             with self.subTest(name):
                 path = self.folder / f"{name}.glb"
                 path.write_bytes(data)

@@ -96,7 +96,8 @@ class Finished(CliTest):
     def test_numbers_that_were_changed_are_measured_again(self):
         csv = self.out / "measurements.csv"
         whole = csv.read_text(encoding="utf-8")
-        for name, text in {"cut": whole[:len(whole) // 2], "row lost": whole[:whole.rindex("\n", 0, -1) + 1],
+        for name, text in {"cut": whole[:len(whole) // 2],
+                           "row lost": whole[:whole.rindex("\n", 0, -1) + 1],
                            "digit": whole.replace(",0.", ",0.1", 1)}.items():
             with self.subTest(name):
                 csv.write_text(text, encoding="utf-8")
