@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 
 #include "harness/version.h"
@@ -17,6 +18,18 @@ std::vector<std::pair<std::string, std::string>> named_parameters(const Paramete
   }
   return named;
 }
+
+namespace {
+
+void drop_layers(Layers& layers, const std::vector<std::string>& names) {
+  Layers kept;
+  for (const Layers::Layer& layer : layers.all()) {
+    if (std::ranges::find(names, layer.name) == names.end()) kept.add(layer.name, layer.image);
+  }
+  layers = std::move(kept);
+}
+
+}  // namespace
 
 CellKey cell_key(const Workbench& bench, const PlannedCell& cell) {
   const View& view = bench.frame().view;
@@ -48,7 +61,11 @@ Layers render_cell(Workbench& bench, const PlannedCell& cell, OcclusionMethod& m
   Layers layers = method.evaluate(bench.frame(), cell.parameters, facts);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   facts["wall_seconds"] = fmt::format("{:.3f}", elapsed.count());
-  if (cell.role == Role::reference) layers.add("mask", bench.frame().surface().mask);
+  if (cell.role == Role::reference) {
+    layers.add("mask", bench.frame().surface().mask);
+  } else if (cell.parameters.has("seed") && cell.parameters.integer("seed") != 0) {
+    drop_layers(layers, find_method(cell.method).layers);
+  }
   return layers;
 }
 

@@ -15,7 +15,8 @@ std::vector<std::pair<std::string, std::string>> named_parameters(const Paramete
 /// What determines a cell's pixels on this workbench.
 CellKey cell_key(const Workbench& bench, const PlannedCell& cell);
 
-/// Renders the cell with its method; a reference cell also holds the `mask` of its surface points.
+/// Renders the cell with its method. A reference cell also holds the `mask` of its surface points;
+/// of a method's reseeded runs only seed 0 keeps the method's own layers (16 channels for S3HO).
 /// `facts` gets what the method reports and the wall time.
 Layers render_cell(Workbench& bench, const PlannedCell& cell, OcclusionMethod& method,
                    Metadata& facts);

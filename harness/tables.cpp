@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <set>
 
@@ -20,6 +21,12 @@ constexpr std::string_view ratio_prefix = "time_ratio.";
 
 bool is_time(const Measurement& m) {
   return m.metric.starts_with(time_prefix) || m.metric.starts_with(ratio_prefix);
+}
+
+/// What only several seeds together can tell.
+bool is_over_seeds(const Measurement& m) {
+  constexpr std::array<std::string_view, 4> metrics = {"noise", "bias", "bias_squared", "mse"};
+  return std::ranges::find(metrics, m.metric) != metrics.end();
 }
 
 /// "noise_ratio.ssdo/s3ho" split into its three names; empty for any other metric.
@@ -261,16 +268,14 @@ void add_published(Table& table, const std::vector<Group>& groups, const std::st
 
 Table accuracy_table(const std::vector<Measurement>& measurements, const std::string& stage) {
   const Rows rows = filter(measurements, [&](const Measurement& m) {
-    return m.stage == stage && !is_time(m) && m.metric != "noise" && m.metric != "bias" &&
-           ordering_parts(m.metric).empty();
+    return m.stage == stage && !is_time(m) && !is_over_seeds(m) && ordering_parts(m.metric).empty();
   });
   return metric_table(rows, "accuracy_" + stage, fmt::format("Accuracy, {}", stage));
 }
 
 Table noise_table(const std::vector<Measurement>& measurements, const std::string& stage) {
-  const Rows rows = filter(measurements, [&](const Measurement& m) {
-    return m.stage == stage && (m.metric == "noise" || m.metric == "bias");
-  });
+  const Rows rows = filter(
+      measurements, [&](const Measurement& m) { return m.stage == stage && is_over_seeds(m); });
   return metric_table(rows, "noise_" + stage, fmt::format("Noise and bias, {}", stage));
 }
 
@@ -281,7 +286,7 @@ Table timing_table(const std::vector<Measurement>& measurements, const std::stri
   if (rows.empty()) return start_table(groups, "timing", "Times");
   const std::string& device = one_value(rows, &Measurement::device, "devices");
   const std::string& clock = one_value(rows, &Measurement::clock, "clocks");
-  Table table = start_table(groups, "timing", fmt::format("Times on {}, {} clock", device, clock));
+  Table table = start_table(groups, "timing", fmt::format("Times on {}, by {}", device, clock));
   for (const auto& [metric, unit] : metrics_with_units(rows)) {
     if (!metric.starts_with(time_prefix)) continue;
     const std::string pass = metric.substr(time_prefix.size());
@@ -294,8 +299,8 @@ Table timing_table(const std::vector<Measurement>& measurements, const std::stri
   }
   table.notes.push_back(
       fmt::format("Ours: medians with the quartiles in brackets; ratios are medians of the ratios "
-                  "to {} pair by "
-                  "pair, with 95% bootstrap intervals; repetitions {}",
+                  "to {} pair by pair, with distribution-free intervals of at least 95% between "
+                  "their order statistics; repetitions {}",
                   baseline, counts(rows)));
   if (published) add_published(table, groups, baseline, *published);
   return table;
