@@ -7,7 +7,7 @@ import shutil
 import subprocess
 import unittest
 
-from support import OCCLAB, ROOT, CliTest, occlab
+from support import OCCLAB, ROOT, CliTest, occlab, read_csv, smoke_results
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 FORMAT = (ROOT / "configs/FORMAT.md").read_text(encoding="utf-8")
@@ -72,6 +72,14 @@ class Readme(CliTest):
         named += re.findall(r"\(`(\w+_\w+)`\)", README)
         self.assertGreaterEqual(len(named), 4)
         self.assertLessEqual(set(named), known)
+
+    def test_columns_of_the_measurements_are_all_explained(self):
+        section = README.split("Its columns:")[1].split("##")[0]
+        documented = {name for row in re.findall(r"(?m)^\| (`[^|]+`) \|", section)
+                      for name in re.findall(r"`([\w.]+)`", row)} - {"parameter.NAME"}
+        columns = {name for name in read_csv(smoke_results() / "measurements.csv")[0]
+                   if not name.startswith("parameter.")}
+        self.assertEqual(documented, columns)
 
     def test_methods_are_those_there_are(self):
         methods = json.loads(self.good("list", "methods", "--json").stdout)
