@@ -124,6 +124,24 @@ class Measurer {
     }
   }
 
+  /// How much of the samples fell off the screen, a fact of the samples rather than of a stage.
+  void add_off_screen(const Group& group, const MeasuredCell& cell, const Image& share,
+                      const Image& mask) {
+    double sum = 0.0;
+    long pixels = 0;
+    for (std::size_t p = 0; p < mask.pixel_count(); ++p) {
+      if (mask.values()[p] <= 0.5f) continue;
+      sum += double(share.values()[p]);
+      ++pixels;
+    }
+    Measurement row = new_row(*group.planned, "", {identity_.view, "off_screen_samples"}, "1");
+    row.seed = std::to_string(cell.planned.parameters.integer("seed"));
+    row.cells = {cell.id};
+    row.value = sum / double(pixels);
+    row.n = pixels;
+    rows_.push_back(std::move(row));
+  }
+
   /// Mean over the seeds, Student's interval; missing as soon as one seed has no value.
   void add_means(const Group& group) {
     for (const auto& [stage, sums] : group.stages) {
@@ -291,6 +309,9 @@ std::vector<Measurement> measure_cells(const std::vector<MeasuredCell>& cells,
       progress(index);
       const Layers layers = read(cells[index]);
       group.cells.push_back(cells[index].id);
+      if (const Image* share = layers.find("off_screen")) {
+        measurer.add_off_screen(group, cells[index], *share, references.front().mask);
+      }
       for (const Stage& stage : stages) {
         const Image* image = stage_image(layers, stage);
         if (!image) continue;

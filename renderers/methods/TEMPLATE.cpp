@@ -12,6 +12,7 @@ MethodInfo NAME() {
       // Turns the representation into radiance; those of the four methods can be used again.
       .lighting_shader = "renderers/methods/ssao_lighting.frag",
       .representation_formats = {GL_R32F},
+      .off_screen_shader = {},
       // What the method shows beside its radiance.
       .read_layers =
           [](const Framebuffer& representation, Layers& layers) {
@@ -22,7 +23,8 @@ MethodInfo NAME() {
   // A parameter declared here is a key of the configuration and of --set, an axis of sweeps, and
   // in the shaders a `uniform float` (real) or a PARAMETER_name constant (integer, choice).
   std::vector<Parameter> parameters = screen_space_parameters();
-  parameters.push_back(real_parameter("strength", 1.0, 0.0, 10.0, "", "what it does [paper eq. n]"));
+  parameters.push_back(
+      real_parameter("strength", 1.0, 0.0, 10.0, "", "what it does [paper eq. n]"));
   return {.name = "NAME",
           .title = "NAME",
           .paper = "authors and year",

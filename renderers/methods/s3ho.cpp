@@ -8,6 +8,7 @@ MethodInfo s3ho() {
       .occlusion_shader = "renderers/methods/s3ho.frag",
       .lighting_shader = "renderers/methods/s3ho_lighting.frag",
       .representation_formats = {GL_RGBA32UI, GL_RGBA32UI},
+      .off_screen_shader = {},
       .read_layers =
           [](const Framebuffer& packed, Layers& layers) {
             Image coefficients = unpack_sh(packed.colors()[0], packed.colors()[1]);

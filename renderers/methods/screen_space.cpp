@@ -6,6 +6,7 @@
 
 #include "renderers/gl/context.h"
 #include "renderers/methods/frame.h"
+#include "renderers/methods/representation_layers.h"
 #include "renderers/methods/sample_set.h"
 
 namespace occlab {
@@ -137,16 +138,18 @@ void ScreenSpaceMethod::prepare(const Frame& frame) {
   radiance_.emplace(view.width, view.height, radiance_format, false);
 }
 
-void ScreenSpaceMethod::run_occlusion(const Frame& frame, const ParameterSet& parameters) {
+void ScreenSpaceMethod::run_samples(const Frame& frame, const ParameterSet& parameters,
+                                    const std::string& shader, const Framebuffer& target,
+                                    std::string_view pass) {
   const SampleSet samples = make_sample_set(int(parameters.integer("samples")),
                                             std::uint64_t(parameters.integer("seed")));
   std::vector<glm::vec4> block = samples.directions;
   block.insert(block.end(), samples.sets.begin(), samples.sets.end());
   const Buffer sample_buffer(block.data(), block.size() * sizeof(glm::vec4));
-  use_program(frame, parameters, passes_.occlusion_shader, passes_.representation_formats);
+  use_program(frame, parameters, shader, passes_.representation_formats);
   Program::bind_uniform_buffer(binding_samples, sample_buffer);
-  representation_->bind();
-  frame.clock("occlusion", draw_fullscreen);
+  target.bind();
+  frame.clock(pass, draw_fullscreen);
 }
 
 void ScreenSpaceMethod::run_filter(const Frame& frame, const ParameterSet& parameters) {
@@ -166,7 +169,7 @@ void ScreenSpaceMethod::run_lighting(const Frame& frame, const ParameterSet& par
 
 void ScreenSpaceMethod::render(const Frame& frame, const ParameterSet& parameters) {
   prepare(frame);
-  run_occlusion(frame, parameters);
+  run_samples(frame, parameters, passes_.occlusion_shader, *representation_, "occlusion");
   if (filters(parameters)) run_filter(frame, parameters);
   run_lighting(frame, parameters, filters(parameters) ? *filtered_ : *representation_);
   check_gl("a screen-space method");
@@ -185,6 +188,12 @@ Layers ScreenSpaceMethod::evaluate(const Frame& frame, const ParameterSet& param
     run_lighting(frame, parameters, *representation_);
     layers.add("radiance_unfiltered", read_radiance(*radiance_, negative_unfiltered));
     facts["negative_pixels_unfiltered"] = std::to_string(negative_unfiltered);
+  }
+  if (!passes_.off_screen_shader.empty()) {
+    const std::array<GLenum, 1> format = {GL_R32F};
+    const Framebuffer share(frame.view.width, frame.view.height, format, false);
+    run_samples(frame, parameters, passes_.off_screen_shader, share, "off_screen");
+    layers.add("off_screen", channels_of(share.colors().front().download(), 0, 1));
   }
   check_gl("reading a screen-space method back");
   return layers;

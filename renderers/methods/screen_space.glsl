@@ -40,13 +40,18 @@ vec4 pixel_sample_set() {
   return sample_set[pixel.x + 4 * pixel.y];
 }
 
-// The first surface seen through the pixel that view-space point q falls into; w = 0 where that is
-// background or off the screen.
+// Whether view-space point q is in front of the camera and projects onto the screen, and where.
+bool on_screen(vec3 q, out vec2 pixel) {
+  pixel = image_center + vec2(q.x, -q.y) * (focal_pixels / -q.z);
+  return q.z < 0.0 && all(greaterThanEqual(pixel, vec2(0.0))) &&
+         all(lessThan(pixel, 2.0 * image_center));
+}
+
+// The first surface seen through the pixel that q falls into; w = 0 where that is background or off
+// the screen.
 vec4 surface_at(vec3 q) {
-  vec2 pixel = image_center + vec2(q.x, -q.y) * (focal_pixels / -q.z);
-  bool inside = q.z < 0.0 && all(greaterThanEqual(pixel, vec2(0.0))) &&
-                all(lessThan(pixel, 2.0 * image_center));
-  if (!inside) return vec4(0.0);
+  vec2 pixel;
+  if (!on_screen(q, pixel)) return vec4(0.0);
   return texelFetch(position_view, ivec2(pixel), 0);
 }
 

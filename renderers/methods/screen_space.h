@@ -15,6 +15,9 @@ struct ScreenSpacePasses {
   std::string occlusion_shader;
   std::string lighting_shader;
   std::vector<GLenum> representation_formats;  ///< the occlusion pass's targets
+  /// A pass of the same samples that fills one float, drawn for evaluate() only and never timed:
+  /// it becomes the layer `off_screen`. Empty: none.
+  std::string off_screen_shader;
   /// Adds the method's own layers from its (filtered) representation.
   std::function<void(const Framebuffer& representation, Layers& layers)> read_layers;
 };
@@ -32,7 +35,8 @@ class ScreenSpaceMethod final : public OcclusionMethod {
 
  private:
   void prepare(const Frame& frame);
-  void run_occlusion(const Frame& frame, const ParameterSet& parameters);
+  void run_samples(const Frame& frame, const ParameterSet& parameters, const std::string& shader,
+                   const Framebuffer& target, std::string_view pass);
   void run_filter(const Frame& frame, const ParameterSet& parameters);
   void run_lighting(const Frame& frame, const ParameterSet& parameters,
                     const Framebuffer& representation);

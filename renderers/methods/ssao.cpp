@@ -8,6 +8,7 @@ MethodInfo ssao() {
       .occlusion_shader = "renderers/methods/ssao.frag",
       .lighting_shader = "renderers/methods/ssao_lighting.frag",
       .representation_formats = {GL_R32F},
+      .off_screen_shader = "renderers/methods/off_screen.frag",
       .read_layers =
           [](const Framebuffer& k_A, Layers& layers) {
             layers.add("ambient_occlusion", channels_of(k_A.colors()[0].download(), 0, 1));
@@ -17,8 +18,9 @@ MethodInfo ssao() {
           .title = "SSAO",
           .paper = "Mittring 2007; Shanmugam and Arikan 2007",
           .parameters = screen_space_parameters(),
-          .layers = {"ambient_occlusion"},
-          .shaders = screen_space_shaders({passes.occlusion_shader, passes.lighting_shader}),
+          .layers = {"ambient_occlusion", "off_screen"},
+          .shaders = screen_space_shaders(
+              {passes.occlusion_shader, passes.lighting_shader, passes.off_screen_shader}),
           .make = [passes] { return std::make_unique<ScreenSpaceMethod>(passes); }};
 }
 

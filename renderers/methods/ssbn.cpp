@@ -8,6 +8,7 @@ MethodInfo ssbn() {
       .occlusion_shader = "renderers/methods/ssbn.frag",
       .lighting_shader = "renderers/methods/ssbn_lighting.frag",
       .representation_formats = {GL_RGBA32F},
+      .off_screen_shader = {},
       .read_layers =
           [](const Framebuffer& bent_cone, Layers& layers) {
             const Image bent = bent_cone.colors()[0].download();

@@ -8,6 +8,7 @@ MethodInfo ssdo() {
       .occlusion_shader = "renderers/methods/ssdo.frag",
       .lighting_shader = "renderers/methods/ssdo_lighting.frag",
       .representation_formats = {GL_RGBA32F},
+      .off_screen_shader = {},
       .read_layers =
           [](const Framebuffer& irradiance, Layers& layers) {
             layers.add("irradiance", channels_of(irradiance.colors()[0].download(), 0, 3));

@@ -1,0 +1,26 @@
+// The share of a pixel's N S sample points that lie off the screen and so count as visible. The
+// methods share their samples, so one such map serves them all.
+#include "renderers/methods/screen_space.glsl"
+
+layout(location = 0) out float out_share;
+
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  vec4 p = texelFetch(position_view, pixel, 0);
+  out_share = 0.0;
+  if (p.w == 0.0) return;
+  vec4 set = pixel_sample_set();
+  mat3 frame = sampling_frame(texelFetch(normal_view, pixel, 0).xyz, set);
+  int outside = 0;
+  for (int j = 0; j < PARAMETER_samples; ++j) {
+    vec4 s = sample_direction[j];
+    vec3 direction = frame * s.xyz;
+    float xi = fract(s.w + set.z);
+    for (int k = 0; k < PARAMETER_steps; ++k) {
+      vec2 projected;
+      vec3 q = p.xyz + direction * (d_max_world * (float(k) + xi) / float(PARAMETER_steps));
+      if (!on_screen(q, projected)) ++outside;
+    }
+  }
+  out_share = float(outside) / float(PARAMETER_samples * PARAMETER_steps);
+}
