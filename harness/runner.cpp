@@ -236,9 +236,20 @@ class Run {
 
   /// Times depend on the code, the device and what is asked for, not on the cells.
   std::string make_timing_key() const {
-    return sha256_text(fmt::format("{}\n{}\n{}\n{}\n{}", experiment_.resolved, renderers_hash,
-                                   bench_.device().renderer, bench_.device().version,
-                                   bench_.scene_hash()));
+    std::string text = fmt::format("{} {} {} {}", renderers_hash, harness_hash,
+                                   bench_.device().renderer, bench_.device().version);
+    text += fmt::format(" {} {} {}", bench_.scene_hash(), bench_.frame().view.camera.name,
+                        bench_.probe_hash());
+    text += fmt::format(" {}x{} {}", experiment_.scene.width, experiment_.scene.height,
+                        describe(bench_.probe()));
+    if (const auto& timing = experiment_.timing) {
+      text +=
+          fmt::format(" {} {} {}", timing->baseline, timing->repetitions, timing->budget_seconds);
+    }
+    for (const PlannedCell& cell : plan_timing(experiment_, methods())) {
+      text += fmt::format(" {} {}", cell.method, cell.parameters.to_string());
+    }
+    return sha256_text(text);
   }
 
   /// What run.json says of the numbers in measurements.csv; nothing where the two do not belong

@@ -15,6 +15,7 @@ struct CompareOptions {
   std::string reference;
   std::string test;
   std::string layer = "radiance";
+  std::string reference_layer = "radiance";
   bool json = false;
 };
 
@@ -33,7 +34,7 @@ const Image& colours(const ExrFile& file, const std::string& layer, const std::s
 int compare(const CompareOptions& options) {
   const ExrFile reference = read_exr(options.reference);
   const ExrFile test = read_exr(options.test);
-  const Image& image = colours(reference, options.layer, options.reference);
+  const Image& image = colours(reference, options.reference_layer, options.reference);
   const Image* mask = reference.layers.find("mask");
   const Image everywhere(image.width(), image.height(), 1, 1.0f);
   std::vector<MetricValue> values;
@@ -81,7 +82,10 @@ void add_compare_verb(CLI::App& app, Action& action) {
       "reference's own layers where it has them");
   verb->add_option("reference", options->reference, "EXR")->required();
   verb->add_option("test", options->test, "EXR")->required();
-  verb->add_option("--layer", options->layer, "the layer to compare")->capture_default_str();
+  verb->add_option("--layer", options->layer, "the test's layer, such as radiance_unfiltered")
+      ->capture_default_str();
+  verb->add_option("--reference-layer", options->reference_layer, "the reference's layer")
+      ->capture_default_str();
   verb->add_flag("--json", options->json, "print JSON");
   verb->callback([options, &action] { action = [options] { return compare(*options); }; });
 }

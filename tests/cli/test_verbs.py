@@ -123,7 +123,8 @@ class Compare(CliTest):
         self.assertEqual(set(self.metrics(rendered("rtdo"), rendered("ssao"))), listed)
 
     def test_another_layer(self):
-        found = self.metrics(rendered("ssao"), rendered("ssao"), "--layer", "radiance_unfiltered")
+        found = self.metrics(rendered("ssao"), rendered("ssao"), "--layer", "radiance_unfiltered",
+                              "--reference-layer", "radiance_unfiltered")
         self.assertEqual(found["rmse"]["value"], 0.0)
 
     def test_sizes_must_be_equal(self):
