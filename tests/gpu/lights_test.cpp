@@ -137,6 +137,35 @@ TEST(DirectionalLight, SsbnLightsWhatLiesInTheCone) {
               2.0 / std::sqrt(5.0) / pi_d, 2e-3);
 }
 
+TEST(ConeLight, IsThatOfTheBentConeUnderALinearSky) {
+  // L = a + b.w: (t/pi) int_cone L cos = t (a sin^2 C + (2/3)(1 - cos^3 C) b.N), t = 1/(1 - cos C).
+  const double a = 1.0;
+  const glm::dvec3 b(0.5, 0.4, -0.6);
+  const TestFrame frame(floor_and_tall_wall(4.0f), corner_view, probe_of(256, [&](glm::vec3 d) {
+                          return glm::vec3(float(a + glm::dot(b, glm::dvec3(d))));
+                        }));
+  const glm::dvec3 b_view(glm::mat3(frame.frame().view.view_from_world()) * glm::vec3(b));
+  for (const char* mode : {"linear", "exact"}) {
+    const Layers layers = frame.evaluate("ssbn", {{"cone_angle", mode}, {"d_max_world", 2.0}});
+    double narrowest = pi_d;
+    for_each_surface(frame, [&](int x, int y) {
+      const glm::dvec3 bent = pixel3(layers.at("bent_normal"), x, y);
+      const double cap = std::clamp(2.0 * glm::length(bent) - 1.0, 0.0, 1.0);
+      const double C = std::string(mode) == "exact" ? std::acos(cap) : (1.0 - cap) * pi_d / 2;
+      narrowest = std::min(narrowest, C);
+      const double c = std::cos(C);
+      const glm::dvec3 N = glm::normalize(bent);
+      const double L =
+          (a * (1 - c * c) + 2.0 / 3.0 * (1 - c * c * c) * glm::dot(b_view, N)) / (1 - c);
+      const double expected = double(layers.at("uniform_occlusion").at(x, y)) * L *
+                              glm::dot(N, glm::dvec3(normal_at(frame, x, y)));
+      // Linear between levels 11.25 degrees apart: below 1% of the light.
+      EXPECT_NEAR(layers.at("radiance").at(x, y), expected, 0.01 * expected) << mode << " " << C;
+    });
+    EXPECT_LT(narrowest, 1.3) << "there are cones between other levels than the last two";
+  }
+}
+
 TEST(PointLight, FallsOffWithTheSquareOfTheDistance) {
   Light lamp{.name = "lamp", .position_world = {0.5f, 2, 0.25f}, .intensity = {4, 2, 1}};
   const TestFrame frame(open_floor(), corner_view, black, {lamp});
