@@ -299,8 +299,8 @@ Table timing_table(const std::vector<Measurement>& measurements, const std::stri
   }
   table.notes.push_back(
       fmt::format("Ours: medians with the quartiles in brackets; ratios are medians of the ratios "
-                  "to {} pair by pair, with distribution-free intervals of at least 95% between "
-                  "their order statistics; repetitions {}",
+                  "to {} pair by pair, with distribution-free intervals between their order "
+                  "statistics, of at least 95% from 6 repetitions on; repetitions {}",
                   baseline, counts(rows)));
   if (published) add_published(table, groups, baseline, *published);
   return table;

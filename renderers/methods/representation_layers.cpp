@@ -39,7 +39,7 @@ Image unpack_sh(const Texture& low, const Texture& high) {
 Image sh_ambient_occlusion(const Image& coefficients) {
   Image occlusion = channels_of(coefficients, 0, 1);
   for (float& value : occlusion.values()) {
-    value = sh4_ambient_occlusion(Sh4(vec4(value, 0, 0, 0), vec4(0), vec4(0), vec4(0)));
+    value = sh4_ambient_occlusion(sh4(vec4(value, 0, 0, 0), vec4(0), vec4(0), vec4(0)));
   }
   return occlusion;
 }

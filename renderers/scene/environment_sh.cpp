@@ -26,7 +26,7 @@ Sh4 to_sh4(const std::array<double, coefficients>& sum) {
   const auto part = [&](std::size_t i) {
     return vec4(float(sum[i]), float(sum[i + 1]), float(sum[i + 2]), float(sum[i + 3]));
   };
-  return Sh4(part(0), part(4), part(8), part(12));
+  return sh4(part(0), part(4), part(8), part(12));
 }
 
 }  // namespace
@@ -75,7 +75,7 @@ ShRgb project_sh(const Environment& environment, const glm::mat3& world_from_spa
       for (std::size_t i = 0; i < coefficients; ++i) total[c][i] += row[c][i];
     }
   }
-  return ShRgb(to_sh4(total[0]), to_sh4(total[1]), to_sh4(total[2]));
+  return ShRgb{to_sh4(total[0]), to_sh4(total[1]), to_sh4(total[2])};
 }
 
 }  // namespace occlab

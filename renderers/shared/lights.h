@@ -23,11 +23,19 @@ struct IncidentLight {
   float distance;   // to the light; huge for a directional one
 };
 
+SHARED IncidentLight incident_from(vec3 direction, vec3 irradiance, float d) {
+  IncidentLight incident;
+  incident.direction = direction;
+  incident.irradiance = irradiance;
+  incident.distance = d;
+  return incident;
+}
+
 SHARED IncidentLight incident_light(PunctualLight light, vec3 p) {
   const vec3 travel = vec3(light.direction_and_outer);
   const vec3 intensity = vec3(light.intensity_and_inner);
   const int type = int(light.position_and_type.w);
-  if (type == light_directional) return IncidentLight(-travel, intensity, 1e30f);
+  if (type == light_directional) return incident_from(-travel, intensity, 1e30f);
   const vec3 to_light = vec3(light.position_and_type) - p;
   const float squared = max(dot(to_light, to_light), 1e-12f);
   const float d = sqrt(squared);
@@ -41,7 +49,7 @@ SHARED IncidentLight incident_light(PunctualLight light, vec3 p) {
         clamp((dot(-direction, travel) - outer) / max(inner - outer, 1e-4f), 0.0f, 1.0f);
     falloff = ramp * ramp;
   }
-  return IncidentLight(direction, intensity * (falloff / squared), d);
+  return incident_from(direction, intensity * (falloff / squared), d);
 }
 
 SHARED_END

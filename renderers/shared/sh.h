@@ -13,6 +13,16 @@ struct Sh4 {
   vec4 c3;
 };
 
+// Constructor syntax would do in GLSL and GCC, but not in clang before 16.
+SHARED Sh4 sh4(vec4 c0, vec4 c1, vec4 c2, vec4 c3) {
+  Sh4 a;
+  a.c0 = c0;
+  a.c1 = c1;
+  a.c2 = c2;
+  a.c3 = c3;
+  return a;
+}
+
 // One coefficient vector a colour channel.
 struct ShRgb {
   Sh4 r;
@@ -20,14 +30,14 @@ struct ShRgb {
   Sh4 b;
 };
 
-SHARED Sh4 sh_zero() { return Sh4(vec4(0.0f), vec4(0.0f), vec4(0.0f), vec4(0.0f)); }
+SHARED Sh4 sh_zero() { return sh4(vec4(0.0f), vec4(0.0f), vec4(0.0f), vec4(0.0f)); }
 
 // y_i(d) for unit d.
 SHARED Sh4 sh_basis(vec3 d) {
   const float xx = d.x * d.x;
   const float yy = d.y * d.y;
   const float zz = d.z * d.z;
-  return Sh4(
+  return sh4(
       vec4(0.2820947918f, -0.4886025119f * d.y, 0.4886025119f * d.z, -0.4886025119f * d.x),
       vec4(1.0925484306f * d.x * d.y, -1.0925484306f * d.y * d.z,
            0.3153915653f * (3.0f * zz - 1.0f), -1.0925484306f * d.x * d.z),
@@ -37,11 +47,11 @@ SHARED Sh4 sh_basis(vec3 d) {
            1.4453057213f * d.z * (xx - yy), -0.5900435899f * d.x * (xx - 3.0f * yy)));
 }
 
-SHARED Sh4 sh_scale(Sh4 a, float s) { return Sh4(a.c0 * s, a.c1 * s, a.c2 * s, a.c3 * s); }
+SHARED Sh4 sh_scale(Sh4 a, float s) { return sh4(a.c0 * s, a.c1 * s, a.c2 * s, a.c3 * s); }
 
 // a + s b
 SHARED Sh4 sh_add_scaled(Sh4 a, Sh4 b, float s) {
-  return Sh4(a.c0 + s * b.c0, a.c1 + s * b.c1, a.c2 + s * b.c2, a.c3 + s * b.c3);
+  return sh4(a.c0 + s * b.c0, a.c1 + s * b.c1, a.c2 + s * b.c2, a.c3 + s * b.c3);
 }
 
 SHARED float sh_dot(Sh4 a, Sh4 b) {
@@ -54,7 +64,7 @@ SHARED vec3 sh_dot_rgb(ShRgb a, Sh4 b) {
 
 // Multiplies band l by bands[l].
 SHARED Sh4 sh_scale_bands(Sh4 a, vec4 bands) {
-  return Sh4(a.c0 * vec4(bands.x, bands.y, bands.y, bands.y), a.c1 * bands.z,
+  return sh4(a.c0 * vec4(bands.x, bands.y, bands.y, bands.y), a.c1 * bands.z,
              a.c2 * vec4(bands.z, bands.w, bands.w, bands.w), a.c3 * bands.w);
 }
 
@@ -94,7 +104,7 @@ SHARED uvec4 sh_pack_high(Sh4 a) {
 }
 
 SHARED Sh4 sh_unpack(uvec4 low, uvec4 high) {
-  return Sh4(vec4(unpackHalf2x16(low.x), unpackHalf2x16(low.y)),
+  return sh4(vec4(unpackHalf2x16(low.x), unpackHalf2x16(low.y)),
              vec4(unpackHalf2x16(low.z), unpackHalf2x16(low.w)),
              vec4(unpackHalf2x16(high.x), unpackHalf2x16(high.y)),
              vec4(unpackHalf2x16(high.z), unpackHalf2x16(high.w)));

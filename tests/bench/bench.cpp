@@ -12,12 +12,13 @@
 #include "renderers/scene/parallel.h"
 #include "renderers/shared/frame.h"
 #include "renderers/trace/reference.h"
+#include "tests/unit/tiny_scenes.h"
 
 namespace occlab {
 namespace {
 
-constexpr int width = 320;
-constexpr int height = 180;
+constexpr int width = 640;
+constexpr int height = 360;
 constexpr long rays_per_pixel = 64;
 constexpr float d_max_world = 0.5f;
 
@@ -132,6 +133,37 @@ void BM_load_gallery(benchmark::State& state) {
   state.counters["triangles"] = double(gallery().scene().triangle_count());
 }
 BENCHMARK(BM_load_gallery)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+/// A grid of 500 x 500 cells, two triangles each, as a .glb.
+void BM_load_500k_triangles(benchmark::State& state) {
+  constexpr std::uint32_t side = 500;
+  std::vector<glm::vec3> positions;
+  std::vector<glm::vec3> normals;
+  std::vector<std::uint32_t> indices;
+  for (std::uint32_t y = 0; y <= side; ++y) {
+    for (std::uint32_t x = 0; x <= side; ++x) {
+      positions.emplace_back(float(x), 0.0f, float(y));
+      normals.emplace_back(0.0f, 1.0f, 0.0f);
+      if (x == side || y == side) continue;
+      const std::uint32_t corner = y * (side + 1) + x;
+      for (const std::uint32_t offset : {0u, side + 1, 1u, 1u, side + 1, side + 2}) {
+        indices.push_back(corner + offset);
+      }
+    }
+  }
+  test::TinyGltf gltf = test::tiny_triangle();
+  auto& primitive = gltf.json["meshes"][0]["primitives"][0];
+  primitive["attributes"] = {{"POSITION", gltf.add_vec3(positions)},
+                             {"NORMAL", gltf.add_vec3(normals)}};
+  primitive["indices"] = gltf.add_accessor(test::bytes_of(indices), 5125, "SCALAR", indices.size());
+  const test::TemporaryFolder folder;
+  const std::filesystem::path path = gltf.write(folder / "grid.glb");
+  for (auto _ : state) {
+    const Scene scene = load_scene(path);
+    state.counters["triangles"] = double(scene.triangle_count());
+  }
+}
+BENCHMARK(BM_load_500k_triangles)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 void BM_prefilter_cones(benchmark::State& state) {
   const Environment& environment = gallery().frame().lighting.environment();
