@@ -335,7 +335,7 @@ Table orderings_table(const std::vector<Measurement>& measurements) {
     if (m.upper && *m.upper < 1) return "does not hold";
     return "unresolved";
   });
-  table.notes.push_back(
+  table.notes.emplace_back(
       "A statement holds where the whole 95% interval of the ratio is above 1, does not hold where "
       "it is below 1, and is unresolved otherwise");
   return table;

@@ -18,8 +18,6 @@
 #include "renderers/scene/interrupt.h"
 #include "renderers/scene/scene.h"
 
-extern char** environ;
-
 namespace occlab {
 namespace fs = std::filesystem;
 namespace {

@@ -100,7 +100,7 @@ void print_entries(const json& entries, const std::string& indent) {
   for (const json& entry : entries) {
     fmt::print("{}{}\n", indent, entry["name"].get<std::string>());
     for (const auto& [key, value] : entry.items()) {
-      if (key == "name" || value == "") continue;
+      if (key == "name" || value == json("")) continue;
       if (value.is_array() && !value.empty() && value.front().is_object()) {
         fmt::print("{}  {}:\n", indent, key);
         print_entries(value, indent + "    ");

@@ -17,8 +17,10 @@ std::string shader_log(GLuint id) {
   GLint length = 0;
   glGetShaderiv(id, GL_INFO_LOG_LENGTH, &length);
   std::string log(std::size_t(length) + 1, '\0');
-  glGetShaderInfoLog(id, length + 1, nullptr, log.data());
-  return log.c_str();
+  GLsizei written = 0;
+  glGetShaderInfoLog(id, length + 1, &written, log.data());
+  log.resize(std::size_t(written));
+  return log;
 }
 
 Shader compile(GLenum stage, std::string_view path, std::string_view preamble) {

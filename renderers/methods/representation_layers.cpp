@@ -1,6 +1,6 @@
 #include "renderers/methods/representation_layers.h"
 
-#include <cstring>
+#include <array>
 
 #include "renderers/shared/representation_sh4.h"
 
@@ -28,10 +28,12 @@ Image unpack_sh(const Texture& low, const Texture& high) {
   const std::vector<std::uint32_t> low_bits = low.download_integers();
   const std::vector<std::uint32_t> high_bits = high.download_integers();
   Image coefficients(low.width(), low.height(), 16);
-  static_assert(sizeof(Sh4) == 16 * sizeof(float));
   for (std::size_t p = 0; p < coefficients.pixel_count(); ++p) {
     const Sh4 sh = sh_unpack(texel(low_bits, p), texel(high_bits, p));
-    std::memcpy(&coefficients.values()[p * 16], &sh, sizeof(sh));
+    const std::array<vec4, 4> parts = {sh.c0, sh.c1, sh.c2, sh.c3};
+    for (std::size_t i = 0; i < 16; ++i) {
+      coefficients.values()[p * 16 + i] = parts[i / 4][int(i % 4)];
+    }
   }
   return coefficients;
 }

@@ -122,7 +122,7 @@ std::vector<Parameter> screen_space_parameters() {
 }
 
 std::vector<std::string> screen_space_shaders(std::vector<std::string> first) {
-  first.push_back(filter_shader);
+  first.emplace_back(filter_shader);
   return first;
 }
 

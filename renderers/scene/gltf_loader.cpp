@@ -335,7 +335,7 @@ class SceneLoader {
 
   void warn_of_whole_file() {
     if (!file_.root().array("animations").empty()) {
-      scene_.warnings.push_back("animations are not used; everything keeps its pose");
+      scene_.warnings.emplace_back("animations are not used; everything keeps its pose");
     }
     // The same warning for every primitive says nothing new.
     std::set<std::string> seen;
