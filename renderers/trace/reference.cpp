@@ -11,8 +11,7 @@
 #include "renderers/shared/equirect.h"
 #include "renderers/shared/frame.h"
 #include "renderers/shared/lights.h"
-#include "renderers/shared/visibility.h"
-#include "renderers/trace/packet.h"
+#include "renderers/trace/packet_visibility.h"
 
 namespace occlab {
 namespace {
@@ -114,36 +113,11 @@ class TileTracer {
  public:
   TileTracer(const TracedScene& traced, const TraceSettings& settings, const ProbeTable& table,
              const EnvironmentSampler& sampler)
-      : traced_(traced), settings_(settings), table_(table), sampler_(sampler) {
-    // Not RTC_INTERSECT_CONTEXT_FLAG_COHERENT: with it Embree 3.13.5's 16-wide traversal never
-    // returned from some tiles of the gallery (640x360), and it was no faster elsewhere.
-    rtcInitIntersectContext(&context_);
-  }
-
-  /// v of each active lane along `direction`, blockers within min(d_max, limit).
-  Lanes visibility(const Tile& tile, const LaneMask& active, const Lanes3& direction,
-                   const Lanes& distance) {
-    Lanes visible;
-    if (settings_.weight == weight_binary) {
-      alignas(64) RTCRay16 ray;
-      fill_rays(ray, tile.origin, direction, distance);
-      rtcOccluded16(active.v.data(), traced_.handle(), &context_, &ray);
-      for (int i = 0; i < lane_count; ++i) visible[i] = ray.tfar[i] < 0.0f ? 0.0f : 1.0f;
-      return visible;
-    }
-    alignas(64) RTCRayHit16 hit;
-    fill_rays(hit.ray, tile.origin, direction, distance);
-    for (int i = 0; i < lane_count; ++i) hit.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect16(active.v.data(), traced_.handle(), &context_, &hit);
-    for (int i = 0; i < lane_count; ++i) {
-      visible[i] =
-          hit.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID
-              ? 1.0f
-              : blocked_visibility(settings_.weight, hit.ray.tfar[i], settings_.d_max_world,
-                                   settings_.lambda_per_world, settings_.fade_start);
-    }
-    return visible;
-  }
+      : settings_(settings),
+        table_(table),
+        sampler_(sampler),
+        visibility_(traced, {settings.weight, settings.d_max_world, settings.lambda_per_world,
+                             settings.fade_start}) {}
 
   /// Directions p(w) = cos/pi about each pixel's normal.
   void add_cosine(const Tile& tile, float u, float v, float other_density_share, RaySums& sums) {
@@ -157,7 +131,7 @@ class TileTracer {
       direction.y[i] = tile.tangent.y[i] * x + tile.bitangent.y[i] * y + tile.normal.y[i] * cosine;
       direction.z[i] = tile.tangent.z[i] * x + tile.bitangent.z[i] * y + tile.normal.z[i] * cosine;
     }
-    const Lanes visible = visibility(tile, tile.active, direction, reach_);
+    const Lanes visible = visibility_(tile.origin, tile.active, direction, reach_);
     const auto& m = table_.probe_from_world;
     const float pdf = cosine / pi;
     for (int i = 0; i < lane_count; ++i) {
@@ -194,7 +168,7 @@ class TileTracer {
       any |= active[i];
     }
     if (!any) return;
-    const Lanes visible = visibility(tile, active, direction, reach_);
+    const Lanes visible = visibility_(tile.origin, active, direction, reach_);
     for (int i = 0; i < lane_count; ++i) {
       const float density = sample.pdf + other_density_share * cosine[i] / pi;
       const float scale = active[i] ? visible[i] * cosine[i] / density : 0.0f;
@@ -221,7 +195,7 @@ class TileTracer {
       distance[i] = std::min(settings_.d_max_world, incident.distance);
       active[i] = irradiance[lane] == glm::vec3(0.0f) ? 0 : tile.active[i];
     }
-    const Lanes visible = visibility(tile, active, direction, distance);
+    const Lanes visible = visibility_(tile.origin, active, direction, distance);
     for (int i = 0; i < lane_count; ++i) {
       if (active[i]) sum[std::size_t(i)] += visible[i] * irradiance[std::size_t(i)];
     }
@@ -230,11 +204,10 @@ class TileTracer {
   void set_reach(float distance) { reach_.v.fill(distance); }
 
  private:
-  const TracedScene& traced_;
   const TraceSettings& settings_;
   const ProbeTable& table_;
   const EnvironmentSampler& sampler_;
-  RTCIntersectContext context_;
+  PacketVisibility visibility_;
   Lanes reach_;
 };
 
