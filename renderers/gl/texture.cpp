@@ -51,10 +51,19 @@ Texture::Texture(int width, int height, GLenum internal_format)
 
 Texture Texture::from_image(const Image& image) {
   Texture texture(image.width(), image.height(), GL_RGBA32F);
-  glTextureSubImage2D(texture.id(), 0, 0, 0, image.width(), image.height(), GL_RGBA, GL_FLOAT,
-                      rgba(image).data());
-  check_gl("uploading a texture");
+  texture.upload(image);
   return texture;
+}
+
+void Texture::upload(const Image& image) const {
+  assert(image.width() == width_ && image.height() == height_);
+  glTextureSubImage2D(id(), 0, 0, 0, width_, height_, GL_RGBA, GL_FLOAT, rgba(image).data());
+  check_gl("uploading a texture");
+}
+
+void Texture::upload_integers(const std::uint32_t* values) const {
+  glTextureSubImage2D(id(), 0, 0, 0, width_, height_, GL_RGBA_INTEGER, GL_UNSIGNED_INT, values);
+  check_gl("uploading an integer texture");
 }
 
 Texture Texture::from_repeating_image(const Image& image) {

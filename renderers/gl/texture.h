@@ -54,6 +54,11 @@ class Texture {
   int height() const { return height_; }
   GLenum format() const { return format_; }
 
+  /// Writes a float format's texels from an image of its size, as from_image() takes it.
+  void upload(const Image& image) const;
+  /// Writes an RGBA32UI texture's texels, 4 values each.
+  void upload_integers(const std::uint32_t* values) const;
+
   /// Reads a float or normalised format back as 4 channels.
   Image download() const;
   /// Reads an RGBA32UI texture back, 4 values a texel.

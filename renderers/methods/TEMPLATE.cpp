@@ -12,6 +12,8 @@ MethodInfo NAME() {
       // Turns the representation into radiance; those of the four methods can be used again.
       .lighting_shader = "renderers/methods/ssao_lighting.frag",
       .representation_formats = {GL_R32F},
+      // The same on the CPU, as ssao.cpp has it: needed for traced visibility and error budgets.
+      .on_cpu = nullptr,
       .off_screen_shader = {},
       // What the method shows beside its radiance.
       .read_layers =
@@ -25,13 +27,12 @@ MethodInfo NAME() {
   std::vector<Parameter> parameters = screen_space_parameters();
   parameters.push_back(
       real_parameter("strength", 1.0, 0.0, 10.0, "", "what it does [paper eq. n]"));
-  return {.name = "NAME",
-          .title = "NAME",
-          .paper = "authors and year",
-          .parameters = std::move(parameters),
-          .layers = {"ambient_occlusion"},
-          .shaders = screen_space_shaders({passes.occlusion_shader, passes.lighting_shader}),
-          .make = [passes] { return std::make_unique<ScreenSpaceMethod>(passes); }};
+  return screen_space_method({.name = "NAME",
+                              .title = "NAME",
+                              .paper = "authors and year",
+                              .parameters = std::move(parameters),
+                              .layers = {"ambient_occlusion"}},
+                             passes);
 }
 
 }  // namespace occlab

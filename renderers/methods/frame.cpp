@@ -8,9 +8,10 @@ const GBuffer& Frame::gbuffer(GBufferBits bits) const {
   return *gbuffer;
 }
 
-const GBufferImages& Frame::surface() const {
-  if (!made.surface) made.surface.emplace(download(gbuffer(GBufferBits::float32)));
-  return *made.surface;
+const GBufferImages& Frame::surface(GBufferBits bits) const {
+  auto& surface = made.surfaces[std::size_t(bits)];
+  if (!surface) surface.emplace(download(gbuffer(bits)));
+  return *surface;
 }
 
 const TracedScene& Frame::traced() const {

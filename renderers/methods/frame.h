@@ -25,13 +25,13 @@ struct Frame {
   PassClock clock = [](std::string_view, const std::function<void()>& run) { run(); };
 
   const GBuffer& gbuffer(GBufferBits bits) const;
-  /// The 32-bit G-buffer read back.
-  const GBufferImages& surface() const;
+  /// A G-buffer read back.
+  const GBufferImages& surface(GBufferBits bits = GBufferBits::float32) const;
   const TracedScene& traced() const;
 
   struct Made {
     std::array<std::optional<GBuffer>, 2> gbuffers;
-    std::optional<GBufferImages> surface;
+    std::array<std::optional<GBufferImages>, 2> surfaces;
     std::optional<TracedScene> traced;
   };
   mutable Made made{};

@@ -44,21 +44,30 @@ const Texture& Lighting::probe_texture() const {
   return *probe_texture_;
 }
 
-const Texture& Lighting::cone_texture() const {
-  if (!cone_texture_) {
-    ConePrefilter cones = prefilter_cones(environment_, cone_levels, cone_level_width);
-    for (Image& level : cones.levels) level = with_rows_beyond_poles(level);
-    cone_texture_ = Texture::from_equirect_levels(cones.levels);
+const std::vector<Image>& Lighting::cones() const {
+  if (!cones_) {
+    cones_ = prefilter_cones(environment_, cone_levels, cone_level_width).levels;
+    for (Image& level : *cones_) level = with_rows_beyond_poles(level);
   }
+  return *cones_;
+}
+
+const Texture& Lighting::cone_texture() const {
+  if (!cone_texture_) cone_texture_ = Texture::from_equirect_levels(cones());
   return *cone_texture_;
+}
+
+std::vector<PunctualLight> Lighting::lights_view() const {
+  std::vector<PunctualLight> lights;
+  for (const Light& light : lights_) {
+    lights.push_back(punctual_light(light, view_.view_from_world()));
+  }
+  return lights;
 }
 
 const Buffer& Lighting::light_buffer() const {
   if (!light_buffer_) {
-    std::vector<PunctualLight> lights;
-    for (const Light& light : lights_) {
-      lights.push_back(punctual_light(light, view_.view_from_world()));
-    }
+    std::vector<PunctualLight> lights = lights_view();
     if (lights.empty()) lights.push_back({});
     light_buffer_ = Buffer(lights.data(), lights.size() * sizeof(PunctualLight));
   }

@@ -5,10 +5,11 @@
 #include "renderers/gl/texture.h"
 #include "renderers/scene/environment.h"
 #include "renderers/scene/view.h"
+#include "renderers/shared/cones.h"
+#include "renderers/shared/lights.h"
 
 namespace occlab {
 
-inline constexpr int cone_levels = 8;  ///< SSBN's pre-convolved levels [Klehm et al. 2011]
 inline constexpr int cone_level_width = 128;
 
 /// A probe and punctual lights, ready for the passes of one view. What a method does not ask for
@@ -26,10 +27,13 @@ class Lighting {
   const ShRgb& sh_view() const;
   /// The probe's texels.
   const Texture& probe_texture() const;
-  /// L_c at alpha_k = (k+1)/8 pi/2. Its last layer is E_unoccluded / pi. The first and last rows
-  /// are beyond the poles, for filtering only.
+  /// L_c at alpha_k = (k+1)/8 pi/2, probe space. The last level is E_unoccluded / pi. The first and
+  /// last rows are beyond the poles, for filtering only.
+  const std::vector<Image>& cones() const;
   const Texture& cone_texture() const;
-  /// std140 array of PunctualLight in view space; one unused entry if there is no light.
+  /// The lights as the passes have them, view space.
+  std::vector<PunctualLight> lights_view() const;
+  /// std140 array of lights_view(); one unused entry if there is no light.
   const Buffer& light_buffer() const;
   const Buffer& sh_buffer() const;
 
@@ -39,6 +43,7 @@ class Lighting {
   View view_;
   mutable std::optional<ShRgb> sh_view_;
   mutable std::optional<Texture> probe_texture_;
+  mutable std::optional<std::vector<Image>> cones_;
   mutable std::optional<Texture> cone_texture_;
   mutable std::optional<Buffer> light_buffer_;
   mutable std::optional<Buffer> sh_buffer_;

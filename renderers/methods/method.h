@@ -11,6 +11,7 @@
 namespace occlab {
 
 struct Frame;
+struct Representation;
 
 /// One way of shading a view with occlusion. An instance belongs to one graphics context and keeps
 /// what it compiled between frames.
@@ -34,9 +35,11 @@ struct MethodInfo {
   std::string title;  ///< as the tables print it
   std::string paper;
   std::vector<Parameter> parameters;
-  std::vector<std::string> layers;   ///< beside radiance and radiance_unfiltered
-  std::vector<std::string> shaders;  ///< fragment shaders: part of a cell's identity
-  std::function<std::unique_ptr<OcclusionMethod>()> make;
+  std::vector<std::string> layers;        ///< beside radiance and radiance_unfiltered
+  std::vector<std::string> shaders = {};  ///< fragment shaders: part of a cell's identity
+  /// What a screen-space method accumulates, on the CPU; nullptr if it cannot.
+  const Representation* representation = nullptr;
+  std::function<std::unique_ptr<OcclusionMethod>()> make = {};
 };
 
 /// Every method, in the order of the tables (registry.cpp).

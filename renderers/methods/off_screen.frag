@@ -17,9 +17,8 @@ void main() {
     vec3 direction = frame * s.xyz;
     float xi = fract(s.w + set.z);
     for (int k = 0; k < PARAMETER_steps; ++k) {
-      vec2 projected;
-      vec3 q = p.xyz + direction * (d_max_world * (float(k) + xi) / float(PARAMETER_steps));
-      if (!on_screen(q, projected)) ++outside;
+      vec3 q = march_point(p.xyz, direction, d_max_world, k, xi, PARAMETER_steps);
+      if (!on_screen(q, project_to_pixel(q, image_center, focal_pixels), image_center)) ++outside;
     }
   }
   out_share = float(outside) / float(PARAMETER_samples * PARAMETER_steps);

@@ -1,5 +1,6 @@
 #include "renderers/methods/representation_layers.h"
 
+#include <algorithm>
 #include <array>
 
 #include "renderers/shared/representation_sh4.h"
@@ -13,6 +14,18 @@ uvec4 texel(const std::vector<std::uint32_t>& values, std::size_t index) {
 }
 
 }  // namespace
+
+Sh4 sh_of(const Representation::Values& v) {
+  return sh4(vec4(v[0], v[1], v[2], v[3]), vec4(v[4], v[5], v[6], v[7]),
+             vec4(v[8], v[9], v[10], v[11]), vec4(v[12], v[13], v[14], v[15]));
+}
+
+Representation::Values values_of(const Sh4& sh) {
+  Representation::Values values;
+  const std::array<vec4, 4> parts = {sh.c0, sh.c1, sh.c2, sh.c3};
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = parts[i / 4][int(i % 4)];
+  return values;
+}
 
 Image channels_of(const Image& image, int first, int count) {
   Image part(image.width(), image.height(), count);
@@ -29,13 +42,28 @@ Image unpack_sh(const Texture& low, const Texture& high) {
   const std::vector<std::uint32_t> high_bits = high.download_integers();
   Image coefficients(low.width(), low.height(), 16);
   for (std::size_t p = 0; p < coefficients.pixel_count(); ++p) {
-    const Sh4 sh = sh_unpack(texel(low_bits, p), texel(high_bits, p));
-    const std::array<vec4, 4> parts = {sh.c0, sh.c1, sh.c2, sh.c3};
-    for (std::size_t i = 0; i < 16; ++i) {
-      coefficients.values()[p * 16 + i] = parts[i / 4][int(i % 4)];
-    }
+    const auto values = values_of(sh_unpack(texel(low_bits, p), texel(high_bits, p)));
+    std::ranges::copy(values, &coefficients.values()[p * 16]);
   }
   return coefficients;
+}
+
+void upload_packed_sh(const Image& coefficients, const Framebuffer& target) {
+  std::vector<uvec4> low;
+  std::vector<uvec4> high;
+  for (std::size_t p = 0; p < coefficients.pixel_count(); ++p) {
+    Representation::Values values;
+    std::copy_n(&coefficients.values()[p * 16], values.size(), values.begin());
+    const auto sh = sh_of(values);
+    low.push_back(sh_pack_low(sh));
+    high.push_back(sh_pack_high(sh));
+  }
+  target.colors()[0].upload_integers(&low[0][0]);
+  target.colors()[1].upload_integers(&high[0][0]);
+}
+
+void upload_floats(const Image& values, const Framebuffer& target) {
+  target.colors()[0].upload(values);
 }
 
 Image sh_ambient_occlusion(const Image& coefficients) {

@@ -2,25 +2,21 @@
 
 #include "renderers/methods/frame.h"
 #include "renderers/methods/method.h"
+#include "renderers/methods/pass_constants.h"
 #include "renderers/trace/reference.h"
 
 namespace occlab {
 namespace {
 
-const std::vector<std::string> estimator_words = {"mis", "cosine", "environment"};
-
 TraceSettings settings_of(const ParameterSet& parameters) {
-  const auto index_of = [](const std::vector<std::string>& words, const std::string& word) {
-    return int(std::ranges::find(words, word) - words.begin());
-  };
-  const auto weight = std::ranges::find(parameters.declared(), "weight", &Parameter::name);
+  const BlockerWeight blocker = blocker_weight(parameters);
   return {.rays_per_pixel = parameters.integer("rays_per_pixel"),
-          .estimator = Estimator(index_of(estimator_words, parameters.choice("estimator"))),
+          .estimator = Estimator(choice_index(parameters, "estimator")),
           .seed = std::uint64_t(parameters.integer("seed")),
-          .d_max_world = parameters.real32("d_max_world"),
-          .weight = index_of(weight->choices, parameters.choice("weight")),
-          .lambda_per_world = parameters.real32("lambda_per_world"),
-          .fade_start = parameters.real32("fade_start")};
+          .d_max_world = blocker.d_max_world,
+          .weight = blocker.weight,
+          .lambda_per_world = blocker.lambda_per_world,
+          .fade_start = blocker.fade_start};
 }
 
 class RayTracedOcclusion final : public OcclusionMethod {
@@ -57,30 +53,24 @@ class RayTracedOcclusion final : public OcclusionMethod {
 }  // namespace
 
 MethodInfo rtdo() {
-  return {
-      .name = "rtdo",
-      .title = "RTDO",
-      .paper = "ray-traced directional occlusion, the truth of Herholz et al. 2012",
-      .parameters =
-          {
-              integer_parameter("rays_per_pixel", 1024, 1, 1 << 24, "",
-                                "rounded up to a whole number of rays for each of 16 batches"),
-              choice_parameter("estimator", estimator_words,
-                               "how directions are drawn: balance heuristic of both, in proportion "
-                               "to the cosine, or to the probe's texels"),
-              seed_parameter("draws the directions"),
-              real_parameter("d_max_world", 1.0, 1e-6, std::numeric_limits<double>::infinity(),
-                             "scene units", "farthest blocker that counts; inf is accepted"),
-              choice_parameter("weight", {"binary", "lambda", "smoothstep"},
-                               "what a blocker lets through at its distance"),
-              real_parameter("lambda_per_world", 1.0, 0.0, 1e6, "1/scene units",
-                             "lambda of 1 - 1/(1 + lambda d)"),
-              real_parameter("fade_start", 0.75, 0.0, 1.0, "d_max",
-                             "where smoothstep begins to let light through"),
-          },
-      .layers = {"radiance_variance", "ambient_occlusion"},
-      .shaders = {},
-      .make = [] { return std::make_unique<RayTracedOcclusion>(); }};
+  std::vector<Parameter> parameters = {
+      integer_parameter("rays_per_pixel", 1024, 1, 1 << 24, "",
+                        "rounded up to a whole number of rays for each of 16 batches"),
+      choice_parameter("estimator", {"mis", "cosine", "environment"},
+                       "how directions are drawn: balance heuristic of both, in proportion to the "
+                       "cosine, or to the probe's texels"),
+      seed_parameter("draws the directions"),
+      real_parameter("d_max_world", 1.0, 1e-6, std::numeric_limits<double>::infinity(),
+                     "scene units", "farthest blocker that counts; inf is accepted"),
+  };
+  std::ranges::move(weight_parameters(), std::back_inserter(parameters));
+  return {.name = "rtdo",
+          .title = "RTDO",
+          .paper = "ray-traced directional occlusion, the truth of Herholz et al. 2012",
+          .parameters = std::move(parameters),
+          .layers = {"radiance_variance", "ambient_occlusion"},
+          .shaders = {},
+          .make = [] { return std::make_unique<RayTracedOcclusion>(); }};
 }
 
 }  // namespace occlab

@@ -1,13 +1,44 @@
 #include "renderers/methods/representation_layers.h"
 #include "renderers/methods/screen_space.h"
+#include "renderers/shared/representation_sh4.h"
 
 namespace occlab {
+namespace {
+
+using Values = Representation::Values;
+
+glm::vec3 irradiance(const Values& c, const ShadedPoint& point, const CpuLighting& lighting) {
+  glm::vec3 E = sh4_irradiance(lighting.sh(), sh_of(c));
+  for (const PunctualLight& light : lighting.lights()) {
+    const IncidentLight incident = incident_light(light, point.position);
+    const Sh4 lobe = sh_scale_bands(sh_basis(incident.direction), lighting.window());
+    E += incident.irradiance * sh_dot(lobe, sh_of(c));
+  }
+  return E;
+}
+
+constexpr Representation visibility_sh = {
+    .channels = 16,
+    .storage_error = 0x1p-11f,
+    .accumulate =
+        [](Values& sums, const SampledDirection& s) {
+          Sh4 sum = sh_of(sums);
+          sh4_accumulate(sum, s.visibility, s.direction, s.cosine);
+          sums = values_of(sum);
+        },
+    .result = [](Values& sums, int count) { sums = values_of(sh4_result(sh_of(sums), count)); },
+    .irradiance = irradiance,
+    .upload = upload_packed_sh,
+};
+
+}  // namespace
 
 MethodInfo s3ho() {
   const ScreenSpacePasses passes{
       .occlusion_shader = "renderers/methods/s3ho.frag",
       .lighting_shader = "renderers/methods/s3ho_lighting.frag",
       .representation_formats = {GL_RGBA32UI, GL_RGBA32UI},
+      .on_cpu = &visibility_sh,
       .off_screen_shader = {},
       .read_layers =
           [](const Framebuffer& packed, Layers& layers) {
@@ -16,13 +47,12 @@ MethodInfo s3ho() {
             layers.add("sh_visibility", std::move(coefficients));
           },
   };
-  return {.name = "s3ho",
-          .title = "S3HO",
-          .paper = "Herholz, Schairer, Schilling, Strasser 2012",
-          .parameters = screen_space_parameters(),
-          .layers = {"ambient_occlusion", "sh_visibility"},
-          .shaders = screen_space_shaders({passes.occlusion_shader, passes.lighting_shader}),
-          .make = [passes] { return std::make_unique<ScreenSpaceMethod>(passes); }};
+  return screen_space_method({.name = "s3ho",
+                              .title = "S3HO",
+                              .paper = "Herholz, Schairer, Schilling, Strasser 2012",
+                              .parameters = screen_space_parameters(),
+                              .layers = {"ambient_occlusion", "sh_visibility"}},
+                             passes);
 }
 
 }  // namespace occlab

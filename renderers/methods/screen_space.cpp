@@ -5,9 +5,11 @@
 #include <array>
 
 #include "renderers/gl/context.h"
+#include "renderers/methods/cpu_passes.h"
 #include "renderers/methods/frame.h"
 #include "renderers/methods/representation_layers.h"
 #include "renderers/methods/sample_set.h"
+#include "renderers/scene/error.h"
 
 namespace occlab {
 namespace {
@@ -24,10 +26,6 @@ enum TextureUnit : GLuint {
   unit_input
 };
 enum BufferBinding : GLuint { binding_samples, binding_lights, binding_sh };
-
-GBufferBits gbuffer_bits(const ParameterSet& parameters) {
-  return parameters.choice("gbuffer_bits") == "32" ? GBufferBits::float32 : GBufferBits::float16;
-}
 
 std::string preamble(const Frame& frame, const ParameterSet& parameters,
                      const std::vector<GLenum>& formats) {
@@ -70,6 +68,7 @@ void bind_inputs(const Framebuffer& framebuffer) {
 }
 
 bool filters(const ParameterSet& parameters) { return parameters.choice("filter") != "none"; }
+bool traces(const ParameterSet& parameters) { return parameters.choice("visibility") == "traced"; }
 
 /// The lit image; negative channels, which an SH product can give, become 0 and are counted.
 Image read_radiance(const Framebuffer& target, std::size_t& negative_pixels) {
@@ -89,41 +88,12 @@ Image read_radiance(const Framebuffer& target, std::size_t& negative_pixels) {
 
 }  // namespace
 
-std::vector<Parameter> screen_space_parameters() {
-  return {
-      integer_parameter("samples", 32, 1, 256, "", "N, directions a pixel [S3HO sec. 3]"),
-      integer_parameter("steps", 2, 1, 64, "", "S, march steps a direction [S3HO sec. 4]"),
-      seed_parameter("draws the sample set"),
-      real_parameter("d_max_world", 1.0, 1e-6, 1e6, "scene units",
-                     "farthest blocker that counts [S3HO eq. 2]; unstated in the paper"),
-      real_parameter("bias_world", 1e-3, 0.0, 1e6, "scene units",
-                     "a blocker must be this much nearer to the camera than the sample"),
-      real_parameter("epsilon_world", 1e-3, 0.0, 1e6, "scene units",
-                     "a blocker must rise this far above the tangent plane"),
-      choice_parameter("weight", {"binary", "lambda", "smoothstep"},
-                       "what a blocker lets through at its distance [S3HO sec. 2.1; SSDO sec. 4]"),
-      real_parameter("lambda_per_world", 1.0, 0.0, 1e6, "1/scene units",
-                     "lambda of 1 - 1/(1 + lambda d); unstated in the paper"),
-      real_parameter("fade_start", 0.75, 0.0, 1.0, "d_max",
-                     "where smoothstep begins to let light through; unstated in the paper"),
-      choice_parameter("gbuffer_bits", {"32", "16"},
-                       "float size of positions and normals; the paper has 16 [S3HO sec. 3]"),
-      choice_parameter("filter", {"bilateral", "none"},
-                       "8x8 geometry-aware filter of the representation [S3HO sec. 3]"),
-      real_parameter("filter_power", 32.0, 0.0, 1000.0, "",
-                     "power of the orientation weight; Klehm et al. have 5, which leaks 3% round a "
-                     "90-degree corner"),
-      real_parameter("filter_scale", 1.0, 1e-6, 1e6, "d_max",
-                     "distance at which the distance weight is 1/4"),
-      real_parameter("hanning_width", 4.0, 0.0, 100.0, "bands",
-                     "w of the Hanning window on punctual lights' SH, 0 for none; unstated in the "
-                     "paper [S3HO sec. 2.2]"),
-  };
-}
-
-std::vector<std::string> screen_space_shaders(std::vector<std::string> first) {
-  first.emplace_back(filter_shader);
-  return first;
+MethodInfo screen_space_method(MethodInfo info, ScreenSpacePasses passes) {
+  info.shaders = {passes.occlusion_shader, passes.lighting_shader, filter_shader};
+  if (!passes.off_screen_shader.empty()) info.shaders.push_back(passes.off_screen_shader);
+  info.representation = passes.on_cpu;
+  info.make = [passes = std::move(passes)] { return std::make_unique<ScreenSpaceMethod>(passes); };
+  return info;
 }
 
 void ScreenSpaceMethod::prepare(const Frame& frame) {
@@ -152,6 +122,18 @@ void ScreenSpaceMethod::run_samples(const Frame& frame, const ParameterSet& para
   frame.clock(pass, draw_fullscreen);
 }
 
+void ScreenSpaceMethod::run_occlusion(const Frame& frame, const ParameterSet& parameters) {
+  if (!traces(parameters)) {
+    run_samples(frame, parameters, passes_.occlusion_shader, *representation_, "occlusion");
+    return;
+  }
+  if (!passes_.on_cpu) throw InputError("visibility=traced: the method has no form on the CPU");
+  frame.traced();  // built before the clock runs
+  frame.clock("occlusion", [&] {
+    passes_.on_cpu->upload(occlusion_on_cpu(frame, parameters, *passes_.on_cpu), *representation_);
+  });
+}
+
 void ScreenSpaceMethod::run_filter(const Frame& frame, const ParameterSet& parameters) {
   use_program(frame, parameters, filter_shader, passes_.representation_formats);
   bind_inputs(*representation_);
@@ -169,7 +151,7 @@ void ScreenSpaceMethod::run_lighting(const Frame& frame, const ParameterSet& par
 
 void ScreenSpaceMethod::render(const Frame& frame, const ParameterSet& parameters) {
   prepare(frame);
-  run_samples(frame, parameters, passes_.occlusion_shader, *representation_, "occlusion");
+  run_occlusion(frame, parameters);
   if (filters(parameters)) run_filter(frame, parameters);
   run_lighting(frame, parameters, filters(parameters) ? *filtered_ : *representation_);
   check_gl("a screen-space method");
@@ -189,7 +171,7 @@ Layers ScreenSpaceMethod::evaluate(const Frame& frame, const ParameterSet& param
     layers.add("radiance_unfiltered", read_radiance(*radiance_, negative_unfiltered));
     facts["negative_pixels_unfiltered"] = std::to_string(negative_unfiltered);
   }
-  if (!passes_.off_screen_shader.empty()) {
+  if (!passes_.off_screen_shader.empty() && !traces(parameters)) {
     const std::array<GLenum, 1> format = {GL_R32F};
     const Framebuffer share(frame.view.width, frame.view.height, format, false);
     run_samples(frame, parameters, passes_.off_screen_shader, share, "off_screen");

@@ -1,9 +1,11 @@
 // What the passes of every screen-space method share: the G-buffer, the samples, the march.
 // All vectors are in view space.
 #pragma once
+#include "renderers/shared/cones.h"
 #include "renderers/shared/equirect.h"
 #include "renderers/shared/frame.h"
 #include "renderers/shared/lights.h"
+#include "renderers/shared/march.h"
 #include "renderers/shared/visibility.h"
 
 layout(binding = 0) uniform sampler2D position_view;  // w: 1 where a surface is seen
@@ -27,48 +29,29 @@ uniform float focal_pixels;
 uniform vec2 image_center;
 uniform mat3 probe_from_view;
 
-const float pi_over_levels = 0.5 * pi / 8.0;
-
-// The tangent frame turned by the pixel's interleaved set.
-mat3 sampling_frame(vec3 n, vec4 set) {
-  mat3 frame = tangent_frame(n);
-  return mat3(set.x * frame[0] + set.y * frame[1], set.x * frame[1] - set.y * frame[0], n);
-}
-
 vec4 pixel_sample_set() {
   ivec2 pixel = ivec2(gl_FragCoord.xy) & 3;
   return sample_set[pixel.x + 4 * pixel.y];
 }
 
-// Whether view-space point q is in front of the camera and projects onto the screen, and where.
-bool on_screen(vec3 q, out vec2 pixel) {
-  pixel = image_center + vec2(q.x, -q.y) * (focal_pixels / -q.z);
-  return q.z < 0.0 && all(greaterThanEqual(pixel, vec2(0.0))) &&
-         all(lessThan(pixel, 2.0 * image_center));
-}
-
 // The first surface seen through the pixel that q falls into; w = 0 where that is background or off
 // the screen.
 vec4 surface_at(vec3 q) {
-  vec2 pixel;
-  if (!on_screen(q, pixel)) return vec4(0.0);
+  vec2 pixel = project_to_pixel(q, image_center, focal_pixels);
+  if (!on_screen(q, pixel, image_center)) return vec4(0.0);
   return texelFetch(position_view, ivec2(pixel), 0);
 }
 
-// Screen-space visibility V of direction s from p with normal n: S steps at t = reach (k + xi)/S.
-// A surface blocks if it is nearer than the sample, above the tangent plane and within d_max; the
-// first one decides [S3HO sec. 2.1].
+// Screen-space visibility V of direction s from p with normal n: S steps at t = reach (k + xi)/S,
+// the first surface that blocks decides [S3HO sec. 2.1].
 float march_visibility(vec3 p, vec3 n, vec3 s, float xi, float reach) {
   float visibility = 1.0;
   for (int k = 0; k < PARAMETER_steps; ++k) {
-    vec3 q = p + s * (reach * (float(k) + xi) / float(PARAMETER_steps));
+    vec3 q = march_point(p, s, reach, k, xi, PARAMETER_steps);
     vec4 surface = surface_at(q);
-    vec3 to_surface = surface.xyz - p;
-    float squared = dot(to_surface, to_surface);
-    bool blocks = visibility == 1.0 && surface.w > 0.0 && surface.z > q.z + bias_world &&
-                  dot(to_surface, n) > epsilon_world && squared <= d_max_world * d_max_world;
-    if (blocks) {
-      visibility = blocked_visibility(PARAMETER_weight, sqrt(squared), d_max_world,
+    if (visibility == 1.0 &&
+        surface_blocks(surface, q, p, n, bias_world, epsilon_world, d_max_world)) {
+      visibility = blocked_visibility(PARAMETER_weight, length(surface.xyz - p), d_max_world,
                                       lambda_per_world, fade_start);
     }
   }
@@ -85,12 +68,11 @@ vec3 probe_radiance(vec3 s) {
 // L_c(d, angle) of the pre-convolved levels, linear in the angle.
 vec3 cone_radiance(vec3 d, float angle) {
   vec2 uv = equirect_uv(probe_from_view * d);
-  float rows = float(textureSize(cone_light, 0).y);
-  uv.y = (uv.y * (rows - 2.0) + 1.0) / rows;  // a row more beyond either pole
-  float level = clamp(angle / pi_over_levels - 1.0, 0.0, 7.0);
+  uv.y = cone_row(uv.y, float(textureSize(cone_light, 0).y));
+  float level = cone_level(angle);
   float lower = floor(level);
   vec3 a = textureLod(cone_light, vec3(uv, lower), 0.0).rgb;
-  vec3 b = textureLod(cone_light, vec3(uv, min(lower + 1.0, 7.0)), 0.0).rgb;
+  vec3 b = textureLod(cone_light, vec3(uv, min(lower + 1.0, float(cone_levels - 1))), 0.0).rgb;
   return mix(a, b, level - lower);
 }
 

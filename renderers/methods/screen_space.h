@@ -7,6 +7,8 @@
 
 #include "renderers/gl/texture.h"
 #include "renderers/methods/method.h"
+#include "renderers/methods/pass_constants.h"
+#include "renderers/methods/representation.h"
 
 namespace occlab {
 
@@ -15,6 +17,8 @@ struct ScreenSpacePasses {
   std::string occlusion_shader;
   std::string lighting_shader;
   std::vector<GLenum> representation_formats;  ///< the occlusion pass's targets
+  /// The representation on the CPU, which traced visibility needs; outlives the method.
+  const Representation* on_cpu = nullptr;
   /// A pass of the same samples that fills one float, drawn for evaluate() only and never timed:
   /// it becomes the layer `off_screen`. Empty: none.
   std::string off_screen_shader;
@@ -22,10 +26,8 @@ struct ScreenSpacePasses {
   std::function<void(const Framebuffer& representation, Layers& layers)> read_layers;
 };
 
-/// The parameters of sampling, visibility, G-buffer and filter, shared by all screen-space methods.
-std::vector<Parameter> screen_space_parameters();
-
-/// Occlusion pass, then the bilateral filter of the representation, then deferred lighting.
+/// Occlusion pass (or rays on the CPU), then the bilateral filter of the representation, then
+/// deferred lighting.
 class ScreenSpaceMethod final : public OcclusionMethod {
  public:
   explicit ScreenSpaceMethod(ScreenSpacePasses passes) : passes_(std::move(passes)) {}
@@ -37,6 +39,7 @@ class ScreenSpaceMethod final : public OcclusionMethod {
   void prepare(const Frame& frame);
   void run_samples(const Frame& frame, const ParameterSet& parameters, const std::string& shader,
                    const Framebuffer& target, std::string_view pass);
+  void run_occlusion(const Frame& frame, const ParameterSet& parameters);
   void run_filter(const Frame& frame, const ParameterSet& parameters);
   void run_lighting(const Frame& frame, const ParameterSet& parameters,
                     const Framebuffer& representation);
@@ -47,7 +50,7 @@ class ScreenSpaceMethod final : public OcclusionMethod {
   std::optional<Framebuffer> radiance_;
 };
 
-/// The shaders whose text decides a method's result: `first` and those every method uses.
-std::vector<std::string> screen_space_shaders(std::vector<std::string> first);
+/// Completes a method's description from its passes.
+MethodInfo screen_space_method(MethodInfo info, ScreenSpacePasses passes);
 
 }  // namespace occlab

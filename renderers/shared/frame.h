@@ -14,4 +14,11 @@ SHARED mat3 tangent_frame(vec3 n) {
               vec3(b, sign_z + n.y * n.y * a, -n.y), n);
 }
 
+// The tangent frame turned about n by the angle whose cosine and sin are set.x and set.y: that of a
+// pixel's interleaved sample set.
+SHARED mat3 sampling_frame(vec3 n, vec4 set) {
+  const mat3 frame = tangent_frame(n);
+  return mat3(set.x * frame[0] + set.y * frame[1], set.x * frame[1] - set.y * frame[0], n);
+}
+
 SHARED_END

@@ -17,6 +17,8 @@ class TracedScene {
   RTCScene handle() const { return scene_.get(); }
   /// Of the box around everything; ray epsilons are relative to it.
   float bounding_radius() const { return bounding_radius_; }
+  /// How far above a surface, along its geometric normal, rays start: 1e-4 bounding radii.
+  float ray_lift_world() const { return 1e-4f * bounding_radius_; }
 
  private:
   struct Release {

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <span>
+
+#include "renderers/methods/frame.h"
+#include "renderers/methods/parameters.h"
+#include "renderers/methods/representation.h"
+#include "renderers/methods/visibility_source.h"
+
+namespace occlab {
+
+// The passes of the screen-space methods on the CPU: what the shaders compute, from the headers
+// they include, over the same G-buffer and samples; and the same with rays for the march. An image
+// of a representation has Representation::channels channels, 0 where no surface is seen.
+
+/// What an occlusion pass reads.
+struct DirectionPass {
+  const GBufferImages& surface;
+  const CpuLighting& lighting;
+  const PassConstants& constants;
+  VisibilitySource visibility;
+};
+
+/// Adds every direction of the set at every pixel to the sums of each representation; `sums` are
+/// images of the representations' channels, in the same order. Multi-threaded; throws Interrupted.
+void add_directions(const DirectionPass& pass, const SampleSet& samples,
+                    std::span<const Representation* const> representations, std::span<Image> sums);
+
+/// Sums over `count` directions as the occlusion pass writes them.
+Image representation_of(const Representation& representation, const Image& sums, int count);
+
+/// bilateral.frag.
+Image filter_on_cpu(const Image& values, const GBufferImages& surface,
+                    const PassConstants& constants);
+
+/// L_o = rho E / pi, RGB, not clamped.
+Image light_on_cpu(const Representation& representation, const Image& values,
+                   const GBufferImages& surface, const CpuLighting& lighting);
+
+/// The G-buffer that the parameters ask for (`gbuffer_bits`).
+GBufferBits gbuffer_bits(const ParameterSet& parameters);
+
+/// The whole occlusion pass with the parameters' samples, seed and visibility source.
+Image occlusion_on_cpu(const Frame& frame, const ParameterSet& parameters,
+                       const Representation& representation);
+
+}  // namespace occlab

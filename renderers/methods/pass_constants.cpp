@@ -1,0 +1,81 @@
+#include "renderers/methods/pass_constants.h"
+
+#include <algorithm>
+
+namespace occlab {
+
+std::vector<Parameter> weight_parameters() {
+  return {
+      choice_parameter("weight", {"binary", "lambda", "smoothstep"},
+                       "what a blocker lets through at its distance [S3HO sec. 2.1; SSDO sec. 4]"),
+      real_parameter("lambda_per_world", 1.0, 0.0, 1e6, "1/scene units",
+                     "lambda of 1 - 1/(1 + lambda d); unstated in the paper"),
+      real_parameter("fade_start", 0.75, 0.0, 1.0, "d_max",
+                     "where smoothstep begins to let light through; unstated in the paper"),
+  };
+}
+
+std::vector<Parameter> screen_space_parameters() {
+  std::vector<Parameter> parameters = {
+      integer_parameter("samples", 32, 1, 256, "", "N, directions a pixel [S3HO sec. 3]"),
+      integer_parameter("steps", 2, 1, 64, "", "S, march steps a direction [S3HO sec. 4]"),
+      seed_parameter("draws the sample set"),
+      choice_parameter("visibility", {"depth", "traced"},
+                       "what tells whether a direction is blocked: the march through the depth "
+                       "buffer, or rays through the whole scene, on the CPU"),
+      real_parameter("d_max_world", 1.0, 1e-6, 1e6, "scene units",
+                     "farthest blocker that counts [S3HO eq. 2]; unstated in the paper"),
+      real_parameter("bias_world", 1e-3, 0.0, 1e6, "scene units",
+                     "a blocker must be this much nearer to the camera than the sample"),
+      real_parameter("epsilon_world", 1e-3, 0.0, 1e6, "scene units",
+                     "a blocker must rise this far above the tangent plane"),
+  };
+  // Only the CPU chooses between the sources: the shaders are the same.
+  std::ranges::find(parameters, "visibility", &Parameter::name)->in_shaders = false;
+  std::ranges::move(weight_parameters(), std::back_inserter(parameters));
+  std::ranges::move(
+      std::vector<Parameter>{
+          choice_parameter("gbuffer_bits", {"32", "16"},
+                           "float size of positions and normals; the paper has 16 [S3HO sec. 3]"),
+          choice_parameter("filter", {"bilateral", "none"},
+                           "8x8 geometry-aware filter of the representation [S3HO sec. 3]"),
+          real_parameter("filter_power", 32.0, 0.0, 1000.0, "",
+                         "power of the orientation weight; Klehm et al. have 5, which leaks 3% "
+                         "round a 90-degree corner"),
+          real_parameter("filter_scale", 1.0, 1e-6, 1e6, "d_max",
+                         "distance at which the distance weight is 1/4"),
+          real_parameter("hanning_width", 4.0, 0.0, 100.0, "bands",
+                         "w of the Hanning window on punctual lights' SH, 0 for none; unstated in "
+                         "the paper [S3HO sec. 2.2]"),
+      },
+      std::back_inserter(parameters));
+  return parameters;
+}
+
+int choice_index(const ParameterSet& parameters, std::string_view name) {
+  const auto parameter = std::ranges::find(parameters.declared(), name, &Parameter::name);
+  const auto word = std::ranges::find(parameter->choices, parameters.choice(name));
+  return int(word - parameter->choices.begin());
+}
+
+BlockerWeight blocker_weight(const ParameterSet& parameters) {
+  return {.weight = choice_index(parameters, "weight"),
+          .d_max_world = parameters.real32("d_max_world"),
+          .lambda_per_world = parameters.real32("lambda_per_world"),
+          .fade_start = parameters.real32("fade_start")};
+}
+
+PassConstants pass_constants(const ParameterSet& parameters) {
+  return {.samples = int(parameters.integer("samples")),
+          .steps = int(parameters.integer("steps")),
+          .d_max_world = parameters.real32("d_max_world"),
+          .bias_world = parameters.real32("bias_world"),
+          .epsilon_world = parameters.real32("epsilon_world"),
+          .blocker = blocker_weight(parameters),
+          .filter_power = parameters.real32("filter_power"),
+          .filter_scale = parameters.real32("filter_scale"),
+          .hanning_width = parameters.real32("hanning_width"),
+          .cone_angle = parameters.has("cone_angle") ? choice_index(parameters, "cone_angle") : 0};
+}
+
+}  // namespace occlab

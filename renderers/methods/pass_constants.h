@@ -1,0 +1,40 @@
+#pragma once
+
+#include <vector>
+
+#include "renderers/methods/parameters.h"
+#include "renderers/trace/packet_visibility.h"
+
+namespace occlab {
+
+/// `weight` and its two constants: what a blocker lets through at its distance
+/// (shared/visibility.h). The screen-space methods and the reference declare the same ones.
+std::vector<Parameter> weight_parameters();
+
+/// The parameters of sampling, visibility, G-buffer, filter and lighting that all screen-space
+/// methods share.
+std::vector<Parameter> screen_space_parameters();
+
+/// weight_parameters() and d_max_world, for code that runs per ray on the CPU.
+BlockerWeight blocker_weight(const ParameterSet& parameters);
+
+/// The values of screen_space_parameters(), for code that runs per pixel on the CPU; the shaders
+/// have theirs as uniforms and constants.
+struct PassConstants {
+  int samples = 0;  ///< N
+  int steps = 0;    ///< S
+  float d_max_world = 0.0f;
+  float bias_world = 0.0f;
+  float epsilon_world = 0.0f;
+  BlockerWeight blocker;
+  float filter_power = 0.0f;
+  float filter_scale = 0.0f;
+  float hanning_width = 0.0f;
+  int cone_angle = 0;  ///< shared/representation_bent_cone.h; 0 where a method does not declare it
+};
+PassConstants pass_constants(const ParameterSet& parameters);
+
+/// The index of a choice's word in the declared order, as the shaders have it.
+int choice_index(const ParameterSet& parameters, std::string_view name);
+
+}  // namespace occlab

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <array>
+#include <glm/glm.hpp>
+
+#include "renderers/gl/texture.h"
+#include "renderers/methods/cpu_lighting.h"
+#include "renderers/scene/image.h"
+
+namespace occlab {
+
+/// One direction that an occlusion pass adds up; view space.
+struct SampledDirection {
+  glm::vec3 direction;
+  float cosine;        ///< n.s
+  float visibility;    ///< V
+  glm::vec3 radiance;  ///< L_in, only where the representation reads it
+};
+
+struct ShadedPoint {
+  glm::vec3 position;  ///< view space
+  glm::vec3 normal;    ///< view space, unit
+};
+
+/// What a visible direction is accumulated into, and how light is read back out of it: the CPU's
+/// form of an occlusion pass and its lighting pass, from the headers that the shaders include.
+struct Representation {
+  /// The largest number of values a pixel has; the first `channels` are used.
+  using Values = std::array<float, 16>;
+
+  int channels = 0;
+  bool reads_radiance = false;  ///< looks light up, and marches to lights, while sampling
+  /// A stored value is off by up to this times itself: half of a half float's last place, or 0.
+  float storage_error = 0.0f;
+  void (*accumulate)(Values& sums, const SampledDirection& sample) = nullptr;
+  /// Sums over `count` directions become the representation, as the occlusion pass writes it.
+  void (*result)(Values& sums, int count) = nullptr;
+  /// E (not clamped) of the probe and the lights.
+  glm::vec3 (*irradiance)(const Values& values, const ShadedPoint& point,
+                          const CpuLighting& lighting) = nullptr;
+  /// Writes an image of the representation into the occlusion pass's targets.
+  void (*upload)(const Image& values, const Framebuffer& target) = nullptr;
+};
+
+/// Of representations that one float texture holds.
+void upload_floats(const Image& values, const Framebuffer& target);
+
+}  // namespace occlab
