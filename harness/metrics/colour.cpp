@@ -39,15 +39,16 @@ double srgb_encode(double linear) { return encode(linear); }
 float srgb_encode(float linear) { return encode(linear); }
 
 Xyz rgb_to_xyz(const Rgb& rgb) {
-  return {0.4124 * rgb[0] + 0.3576 * rgb[1] + 0.1805 * rgb[2], luminance(rgb),
-          0.0193 * rgb[0] + 0.1192 * rgb[1] + 0.9505 * rgb[2]};
+  const auto row = [&](const Rgb& weights) {
+    return weights[0] * rgb[0] + weights[1] * rgb[1] + weights[2] * rgb[2];
+  };
+  return {row(xyz_from_rgb[0]), luminance(rgb), row(xyz_from_rgb[2])};
 }
 
 Lab xyz_to_lab(const Xyz& xyz) {
-  // The white is that of the matrix above, so that greys are exactly without chroma.
-  const double x = lab_response(xyz[0] / (0.4124 + 0.3576 + 0.1805));
-  const double y = lab_response(xyz[1]);
-  const double z = lab_response(xyz[2] / (0.0193 + 0.1192 + 0.9505));
+  const double x = lab_response(xyz[0] / white_xyz[0]);
+  const double y = lab_response(xyz[1] / white_xyz[1]);
+  const double z = lab_response(xyz[2] / white_xyz[2]);
   return {116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)};
 }
 

@@ -22,9 +22,19 @@ struct Chromaticity {
   double v = 0.0;
 };
 
-/// Relative luminance Y of linear RGB (ITU-R BT.709): also the second row of rgb_to_xyz.
+/// Linear RGB to CIE XYZ (IEC 61966-2-1), row by row; the second row is the luminance of ITU-R
+/// BT.709.
+inline constexpr std::array<Rgb, 3> xyz_from_rgb = {
+    {{0.4124, 0.3576, 0.1805}, {0.2126, 0.7152, 0.0722}, {0.0193, 0.1192, 0.9505}}};
+
+/// XYZ of linear RGB (1, 1, 1). Relative to it, and not to a D65 of more digits, greys are exactly
+/// without chroma.
+inline constexpr Xyz white_xyz = {xyz_from_rgb[0][0] + xyz_from_rgb[0][1] + xyz_from_rgb[0][2], 1.0,
+                                  xyz_from_rgb[2][0] + xyz_from_rgb[2][1] + xyz_from_rgb[2][2]};
+
+/// Relative luminance Y of linear RGB.
 constexpr double luminance(const Rgb& rgb) {
-  return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+  return xyz_from_rgb[1][0] * rgb[0] + xyz_from_rgb[1][1] * rgb[1] + xyz_from_rgb[1][2] * rgb[2];
 }
 
 /// sRGB encoding (IEC 61966-2-1) of a linear value; not clamped. The one for float is 3 times
@@ -32,7 +42,6 @@ constexpr double luminance(const Rgb& rgb) {
 double srgb_encode(double linear);
 float srgb_encode(float linear);
 
-/// Linear RGB to CIE XYZ (IEC 61966-2-1).
 Xyz rgb_to_xyz(const Rgb& rgb);
 
 /// CIE 1976 L*a*b* relative to the white of linear RGB (1, 1, 1).

@@ -58,6 +58,15 @@ const std::vector<MetricInfo>& metrics() {
        "Mean structural similarity of the sRGB luma of the psnr images: 11 x 11 Gaussian windows "
        "(sigma 1.5) that lie wholly in the foreground, K = 0.01, 0.03, L = 1 (Wang et al. 2004).",
        higher, measure_ssim},
+      {"flip_ldr", "1",
+       "Mean FLIP difference of the exposed, clamped images of psnr, 0 to 1, for 67 pixels per "
+       "degree; where the mask is 0 both images are the same grey (Andersson et al. 2020).",
+       lower, measure_flip_ldr},
+      {"flip_hdr", "1",
+       "Mean over pixels of the largest FLIP difference over the exposures that take the "
+       "reference's luminances between its maximum and its median to 0.85 of the display, through "
+       "the ACES tone curve (Andersson et al. 2021).",
+       lower, measure_flip_hdr},
       {"ciede2000", "dE00",
        "Mean CIEDE2000 difference of the exposed, clamped colours of psnr, in CIELAB under D65.",
        lower, measure_ciede2000},

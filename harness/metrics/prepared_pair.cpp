@@ -68,6 +68,14 @@ Shadow shadow_of(const PreparedPair& pair, const Image& occlusion,
   return shadow;
 }
 
+LuminanceRange luminance_range(const Planes& planes, std::span<const std::size_t> foreground) {
+  std::vector<double> luminances;
+  luminances.reserve(foreground.size());
+  for (const std::size_t i : foreground) luminances.push_back(luminance(colour_at(planes, i)));
+  return {median(luminances), quantile(luminances, 0.99),
+          *std::max_element(luminances.begin(), luminances.end())};
+}
+
 }  // namespace
 
 std::vector<std::size_t> check_input(const ComparisonInput& input) {
@@ -118,11 +126,8 @@ PreparedPair prepare(const ComparisonInput& input) {
     pair.shadow = shadow_of(pair, *input.reference_occlusion, foreground);
   }
 
-  std::vector<double> luminances;
-  luminances.reserve(foreground.size());
-  for (const std::size_t i : foreground)
-    luminances.push_back(luminance(colour_at(pair.reference, i)));
-  if (const double white = quantile(luminances, 0.99); white > 0.0) {
+  pair.reference_luminance = luminance_range(pair.reference, foreground);
+  if (const double white = pair.reference_luminance.white; white > 0.0) {
     pair.reference_displayed = displayed(pair, pair.reference, 1.0 / white);
     pair.test_displayed = displayed(pair, pair.test, 1.0 / white);
   }

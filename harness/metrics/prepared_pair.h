@@ -35,6 +35,13 @@ struct Shadow {
   std::size_t members = 0;
 };
 
+/// The reference's luminance over the foreground, relative to its mean.
+struct LuminanceRange {
+  double median = 0.0;
+  double white = 0.0;  ///< 99th percentile
+  double maximum = 0.0;
+};
+
 /// What several metrics need, computed once. Radiances are divided by the reference's mean
 /// luminance over the foreground, as the constants in the metrics are pure numbers.
 struct PreparedPair {
@@ -46,6 +53,7 @@ struct PreparedPair {
   Planes reference;
   Planes test;
   std::optional<Planes> reference_variance;
+  LuminanceRange reference_luminance;
   std::optional<Shadow> shadow;  ///< empty without the reference's ambient occlusion
   /// Both empty where the reference's 99th-percentile luminance is not positive.
   std::optional<Displayed> reference_displayed;
