@@ -37,8 +37,8 @@ struct CyclesSettings {
 ///     noise alone gives;
 ///   - the ratio of the means over the picture;
 ///   - the times for equal error, which are reported and judged by nobody.
-/// Throws InputError for settings out of range and a scene that cannot be compared, DeviceError
-/// where Blender is missing or fails or its image is not what was asked for.
+/// Throws InputError for settings out of range, a scene that cannot be compared and where there is
+/// no such Blender; DeviceError where Blender fails or its image is not what was asked for.
 Checks verify_cycles(const CyclesSettings& settings);
 
 }  // namespace occlab
