@@ -85,29 +85,37 @@ inline Lanes load(const float* at) {
 
 inline void store(float* at, Lanes values) { std::memcpy(at, &values, sizeof(values)); }
 
-enum class Symmetry { even, odd };
+enum class Kernel { smooth, edge, point };
+
+// What the taps at +k and -k add; `ahead` and `behind` are the values there.
+template <Kernel kind>
+Lanes paired(Lanes ahead, Lanes behind, Lanes centre) {
+  if constexpr (kind == Kernel::smooth) return ahead + behind;
+  if constexpr (kind == Kernel::edge) return ahead - behind;
+  // The point detector's taps add up to 0, so that the centre's is minus the others' sum. In this
+  // form an even surface gives exactly 0: of the feature difference FLIP takes the root, which
+  // would make 1e-4 of a rounding error.
+  if constexpr (kind == Kernel::point) return (ahead - centre) + (behind - centre);
+}
 
 // A row of the kernel's sums around `at`, whose neighbours in the kernel's direction are `stride`
-// floats apart. An odd kernel is 0 at its centre.
-template <Symmetry symmetry, int stride>
+// floats apart.
+template <Kernel kind, int stride>
 void convolve(TileRow& target, const FlipTaps& kernel, const float* at) {
   for (int x = 0; x < tile_width; x += 2 * lanes, at += 2 * lanes) {
+    const Lanes low_centre = load(at);
+    const Lanes high_centre = load(at + lanes);
     Lanes low{}, high{};
-    if (symmetry == Symmetry::even) {
-      low = kernel.taps[0] * load(at);
-      high = kernel.taps[0] * load(at + lanes);
+    if (kind == Kernel::smooth) {
+      low = kernel.taps[0] * low_centre;
+      high = kernel.taps[0] * high_centre;
     }
     for (int k = 1; k <= kernel.radius; ++k) {
       const float tap = kernel.taps[std::size_t(k)];
       const float* ahead = at + k * stride;
       const float* behind = at - k * stride;
-      if (symmetry == Symmetry::even) {
-        low += tap * (load(ahead) + load(behind));
-        high += tap * (load(ahead + lanes) + load(behind + lanes));
-      } else {
-        low += tap * (load(ahead) - load(behind));
-        high += tap * (load(ahead + lanes) - load(behind + lanes));
-      }
+      low += tap * paired<kind>(load(ahead), load(behind), low_centre);
+      high += tap * paired<kind>(load(ahead + lanes), load(behind + lanes), high_centre);
     }
     store(target.data() + x, low);
     store(target.data() + x + lanes, high);
@@ -115,13 +123,18 @@ void convolve(TileRow& target, const FlipTaps& kernel, const float* at) {
 }
 
 template <int stride>
-void even_row(TileRow& target, const FlipTaps& kernel, const float* at) {
-  convolve<Symmetry::even, stride>(target, kernel, at);
+void smooth_row(TileRow& target, const FlipTaps& kernel, const float* at) {
+  convolve<Kernel::smooth, stride>(target, kernel, at);
 }
 
 template <int stride>
-void odd_row(TileRow& target, const FlipTaps& kernel, const float* at) {
-  convolve<Symmetry::odd, stride>(target, kernel, at);
+void edge_row(TileRow& target, const float* at) {
+  convolve<Kernel::edge, stride>(target, flip_filters().edge, at);
+}
+
+template <int stride>
+void point_row(TileRow& target, const float* at) {
+  convolve<Kernel::point, stride>(target, flip_filters().point, at);
 }
 
 /// One row of a tile as the observer sees it.
@@ -156,13 +169,13 @@ void filter_across(Tile& tile, const FlipImage& image, int left, int top) {
     copy_padded(cx, image.cx, image.width, row, left - flip_reach);
     copy_padded(cz, image.cz, image.width, row, left - flip_reach);
     const auto at = std::size_t(i);
-    even_row<1>(tile.achromatic[at], filters.achromatic, y.data() + flip_reach);
-    even_row<1>(tile.red_green[at], filters.red_green, cx.data() + flip_reach);
-    even_row<1>(tile.blue_yellow[0][at], filters.blue_yellow[0], cz.data() + flip_reach);
-    even_row<1>(tile.blue_yellow[1][at], filters.blue_yellow[1], cz.data() + flip_reach);
-    even_row<1>(tile.gaussian[at], filters.gaussian, y.data() + flip_reach);
-    odd_row<1>(tile.edge[at], filters.edge, y.data() + flip_reach);
-    even_row<1>(tile.point[at], filters.point, y.data() + flip_reach);
+    smooth_row<1>(tile.achromatic[at], filters.achromatic, y.data() + flip_reach);
+    smooth_row<1>(tile.red_green[at], filters.red_green, cx.data() + flip_reach);
+    smooth_row<1>(tile.blue_yellow[0][at], filters.blue_yellow[0], cz.data() + flip_reach);
+    smooth_row<1>(tile.blue_yellow[1][at], filters.blue_yellow[1], cz.data() + flip_reach);
+    smooth_row<1>(tile.gaussian[at], filters.gaussian, y.data() + flip_reach);
+    edge_row<1>(tile.edge[at], y.data() + flip_reach);
+    point_row<1>(tile.point[at], y.data() + flip_reach);
   }
 }
 
@@ -203,20 +216,20 @@ void filter_down(SeenRow& seen, const Tile& tile, int row) {
     return plane[std::size_t(row + flip_reach)].data();
   };
   TileRow y, cx, cz, other;
-  even_row<tile_width>(y, filters.achromatic, at(tile.achromatic));
-  even_row<tile_width>(cx, filters.red_green, at(tile.red_green));
-  even_row<tile_width>(cz, filters.blue_yellow[0], at(tile.blue_yellow[0]));
-  even_row<tile_width>(other, filters.blue_yellow[1], at(tile.blue_yellow[1]));
+  smooth_row<tile_width>(y, filters.achromatic, at(tile.achromatic));
+  smooth_row<tile_width>(cx, filters.red_green, at(tile.red_green));
+  smooth_row<tile_width>(cz, filters.blue_yellow[0], at(tile.blue_yellow[0]));
+  smooth_row<tile_width>(other, filters.blue_yellow[1], at(tile.blue_yellow[1]));
   const auto& weights = filters.blue_yellow_weights;
   for (std::size_t x = 0; x < tile_width; ++x) cz[x] = weights[0] * cz[x] + weights[1] * other[x];
   see_colours(seen, y, cx, cz);
 
   TileRow across, down;
-  even_row<tile_width>(across, filters.gaussian, at(tile.edge));
-  odd_row<tile_width>(down, filters.edge, at(tile.gaussian));
+  smooth_row<tile_width>(across, filters.gaussian, at(tile.edge));
+  edge_row<tile_width>(down, at(tile.gaussian));
   lengths(seen.edge, across, down);
-  even_row<tile_width>(across, filters.gaussian, at(tile.point));
-  even_row<tile_width>(down, filters.point, at(tile.gaussian));
+  smooth_row<tile_width>(across, filters.gaussian, at(tile.point));
+  point_row<tile_width>(down, at(tile.gaussian));
   lengths(seen.point, across, down);
 }
 
