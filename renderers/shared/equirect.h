@@ -1,15 +1,15 @@
 // The equirect map of a light probe. Row 0 is the top (+Y); the image's centre is +X; u = 3/4 is
 // +Z.
 #pragma once
-#include "renderers/shared/glsl.h"
+#include "renderers/shared/trigonometry.h"
 
 SHARED_BEGIN
 
 // (u, v) in [0, 1]^2 of unit direction d, probe space.
 SHARED vec2 equirect_uv(vec3 d) {
-  // GLSL leaves atan(0, 0) undefined; a level floor asks for it.
-  const float phi = d.x == 0.0f && d.z == 0.0f ? 0.0f : atan(d.z, d.x);
-  return vec2(0.5f + phi / (2.0f * pi), acos(clamp(d.y, -1.0f, 1.0f)) / pi);
+  // Not the arccosine of d.y, which near the poles loses half of the digits.
+  const float from_axis = sqrt(d.x * d.x + d.z * d.z);
+  return vec2(0.5f + arctan2(d.z, d.x) / (2.0f * pi), arctan2(from_axis, d.y) / pi);
 }
 
 // Unit direction, probe space, of (u, v).
