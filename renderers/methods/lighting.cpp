@@ -7,21 +7,29 @@
 namespace occlab {
 namespace {
 
-/// One row more beyond either pole: the nearest row from the other side, so that linear filtering
-/// goes on across the pole. Clamped, a surface that faces it would see the light of a direction
-/// half a texel off, and rounding would choose which: noise on every level floor.
+/// One row more beyond either pole, so that linear filtering gives every direction at the pole the
+/// mean of the row around it: a texel t of that row has 2 mean - t beyond it. With the row repeated,
+/// or that of the other side, the pole's value would depend on a direction's last bits: noise on
+/// every level floor.
 Image with_rows_beyond_poles(const Image& image) {
   Image padded(image.width(), image.height() + 2, image.channels());
-  const auto copy_row = [&](int from, int to, int shift) {
+  for (int y = 0; y < image.height(); ++y) {
     for (int x = 0; x < image.width(); ++x) {
-      std::ranges::copy(image.pixel((x + shift) % image.width(), from),
-                        padded.pixel(x, to).begin());
+      std::ranges::copy(image.pixel(x, y), padded.pixel(x, y + 1).begin());
+    }
+  }
+  const auto reflect = [&](int from, int to) {
+    for (int c = 0; c < image.channels(); ++c) {
+      double sum = 0.0;
+      for (int x = 0; x < image.width(); ++x) sum += double(image.at(x, from, c));
+      const float mean = float(sum / image.width());
+      for (int x = 0; x < image.width(); ++x) {
+        padded.at(x, to, c) = 2.0f * mean - image.at(x, from, c);
+      }
     }
   };
-  const int half = image.width() / 2;
-  copy_row(0, 0, half);
-  for (int y = 0; y < image.height(); ++y) copy_row(y, y + 1, 0);
-  copy_row(image.height() - 1, image.height() + 1, half);
+  reflect(0, 0);
+  reflect(image.height() - 1, image.height() + 1);
   return padded;
 }
 

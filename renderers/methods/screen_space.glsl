@@ -46,11 +46,12 @@ vec4 surface_at(vec3 q) {
 // the first surface that blocks decides [S3HO sec. 2.1].
 float march_visibility(vec3 p, vec3 n, vec3 s, float xi, float reach) {
   float visibility = 1.0;
+  bool undecided = true;  // a blocker at d_max may let all light through, and still decides
   for (int k = 0; k < PARAMETER_steps; ++k) {
     vec3 q = march_point(p, s, reach, k, xi, PARAMETER_steps);
     vec4 surface = surface_at(q);
-    if (visibility == 1.0 &&
-        surface_blocks(surface, q, p, n, bias_world, epsilon_world, d_max_world)) {
+    if (undecided && surface_blocks(surface, q, p, n, bias_world, epsilon_world, d_max_world)) {
+      undecided = false;
       visibility = blocked_visibility(PARAMETER_weight, length(surface.xyz - p), d_max_world,
                                       lambda_per_world, fade_start);
     }
