@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "renderers/methods/representation_layers.h"
 #include "renderers/scene/interrupt.h"
 #include "renderers/scene/parallel.h"
 #include "renderers/shared/filter.h"
@@ -205,16 +206,39 @@ Image occlusion_on_cpu(const Frame& frame, const ParameterSet& parameters,
   const PassConstants constants = pass_constants(parameters);
   const GBufferImages& surface = frame.surface(gbuffer_bits(parameters));
   const CpuLighting lighting(frame.lighting, constants);
-  const bool traces = parameters.choice("visibility") == "traced";
   const DirectionPass pass{surface, lighting, constants,
-                           traces ? traced_visibility(frame.traced(), frame.view, constants)
-                                  : depth_visibility(surface, frame.view, constants)};
+                           traces(parameters)
+                               ? traced_visibility(frame.traced(), frame.view, constants)
+                               : depth_visibility(surface, frame.view, constants)};
   const SampleSet samples =
       make_sample_set(constants.samples, std::uint64_t(parameters.integer("seed")));
   Image sums(surface.mask.width(), surface.mask.height(), representation.channels);
   const std::array<const Representation*, 1> one = {&representation};
   add_directions(pass, samples, one, std::span(&sums, 1));
   return representation_of(representation, sums, constants.samples);
+}
+
+Layers evaluate_on_cpu(const Frame& frame, const ParameterSet& parameters,
+                       const Representation& representation) {
+  const PassConstants constants = pass_constants(parameters);
+  const GBufferImages& surface = frame.surface(gbuffer_bits(parameters));
+  const CpuLighting lighting(frame.lighting, constants);
+  std::size_t negative_pixels = 0;
+  const auto lit = [&](const Image& values) {
+    return clamp_negative(light_on_cpu(representation, values, surface, lighting), negative_pixels);
+  };
+  const Image unfiltered = occlusion_on_cpu(frame, parameters, representation);
+  Layers layers;
+  if (!filters(parameters)) {
+    layers.add("radiance", lit(unfiltered));
+    representation.add_layers(unfiltered, layers);
+    return layers;
+  }
+  const Image filtered = filter_on_cpu(unfiltered, surface, constants);
+  layers.add("radiance", lit(filtered));
+  representation.add_layers(filtered, layers);
+  layers.add("radiance_unfiltered", lit(unfiltered));
+  return layers;
 }
 
 }  // namespace occlab

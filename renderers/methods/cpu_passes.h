@@ -40,6 +40,10 @@ Image light_on_cpu(const Representation& representation, const Image& values,
 /// The G-buffer that the parameters ask for (`gbuffer_bits`).
 GBufferBits gbuffer_bits(const ParameterSet& parameters);
 
+/// All passes: the layers that the method's evaluate() gives, but for `off_screen`.
+Layers evaluate_on_cpu(const Frame& frame, const ParameterSet& parameters,
+                       const Representation& representation);
+
 /// The whole occlusion pass with the parameters' samples, seed and visibility source.
 Image occlusion_on_cpu(const Frame& frame, const ParameterSet& parameters,
                        const Representation& representation);

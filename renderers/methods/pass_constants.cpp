@@ -52,6 +52,9 @@ std::vector<Parameter> screen_space_parameters() {
   return parameters;
 }
 
+bool filters(const ParameterSet& parameters) { return parameters.choice("filter") != "none"; }
+bool traces(const ParameterSet& parameters) { return parameters.choice("visibility") == "traced"; }
+
 int choice_index(const ParameterSet& parameters, std::string_view name) {
   const auto parameter = std::ranges::find(parameters.declared(), name, &Parameter::name);
   const auto word = std::ranges::find(parameter->choices, parameters.choice(name));

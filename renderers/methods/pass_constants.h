@@ -34,6 +34,10 @@ struct PassConstants {
 };
 PassConstants pass_constants(const ParameterSet& parameters);
 
+/// Whether the representation is filtered, and whether its visibility is traced.
+bool filters(const ParameterSet& parameters);
+bool traces(const ParameterSet& parameters);
+
 /// The index of a choice's word in the declared order, as the shaders have it.
 int choice_index(const ParameterSet& parameters, std::string_view name);
 

@@ -5,7 +5,7 @@
 
 #include "renderers/gl/texture.h"
 #include "renderers/methods/cpu_lighting.h"
-#include "renderers/scene/image.h"
+#include "renderers/scene/image_io.h"
 
 namespace occlab {
 
@@ -38,11 +38,11 @@ struct Representation {
   /// E (not clamped) of the probe and the lights.
   glm::vec3 (*irradiance)(const Values& values, const ShadedPoint& point,
                           const CpuLighting& lighting) = nullptr;
-  /// Writes an image of the representation into the occlusion pass's targets.
+  /// An image of the representation into the occlusion pass's targets, and back.
   void (*upload)(const Image& values, const Framebuffer& target) = nullptr;
+  Image (*download)(const Framebuffer& target, int channels) = nullptr;
+  /// Adds the method's own layers.
+  void (*add_layers)(const Image& values, Layers& layers) = nullptr;
 };
-
-/// Of representations that one float texture holds.
-void upload_floats(const Image& values, const Framebuffer& target);
 
 }  // namespace occlab

@@ -37,7 +37,9 @@ Image channels_of(const Image& image, int first, int count) {
   return part;
 }
 
-Image unpack_sh(const Texture& low, const Texture& high) {
+Image download_packed_sh(const Framebuffer& target, int) {
+  const Texture& low = target.colors()[0];
+  const Texture& high = target.colors()[1];
   const std::vector<std::uint32_t> low_bits = low.download_integers();
   const std::vector<std::uint32_t> high_bits = high.download_integers();
   Image coefficients(low.width(), low.height(), 16);
@@ -64,6 +66,22 @@ void upload_packed_sh(const Image& coefficients, const Framebuffer& target) {
 
 void upload_floats(const Image& values, const Framebuffer& target) {
   target.colors()[0].upload(values);
+}
+
+Image download_floats(const Framebuffer& target, int channels) {
+  return channels_of(target.colors()[0].download(), 0, channels);
+}
+
+Image clamp_negative(Image radiance, std::size_t& negative_pixels) {
+  for (std::size_t p = 0; p < radiance.pixel_count(); ++p) {
+    bool negative = false;
+    for (float& value : radiance.values().subspan(p * 3, 3)) {
+      negative |= value < 0.0f;
+      value = value < 0.0f ? 0.0f : value;  // a NaN stays one
+    }
+    negative_pixels += negative ? 1 : 0;
+  }
+  return radiance;
 }
 
 Image sh_ambient_occlusion(const Image& coefficients) {

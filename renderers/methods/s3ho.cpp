@@ -29,6 +29,12 @@ constexpr Representation visibility_sh = {
     .result = [](Values& sums, int count) { sums = values_of(sh4_result(sh_of(sums), count)); },
     .irradiance = irradiance,
     .upload = upload_packed_sh,
+    .download = download_packed_sh,
+    .add_layers =
+        [](const Image& coefficients, Layers& layers) {
+          layers.add("ambient_occlusion", sh_ambient_occlusion(coefficients));
+          layers.add("sh_visibility", coefficients);
+        },
 };
 
 }  // namespace
@@ -38,14 +44,8 @@ MethodInfo s3ho() {
       .occlusion_shader = "renderers/methods/s3ho.frag",
       .lighting_shader = "renderers/methods/s3ho_lighting.frag",
       .representation_formats = {GL_RGBA32UI, GL_RGBA32UI},
-      .on_cpu = &visibility_sh,
+      .representation = &visibility_sh,
       .off_screen_shader = {},
-      .read_layers =
-          [](const Framebuffer& packed, Layers& layers) {
-            Image coefficients = unpack_sh(packed.colors()[0], packed.colors()[1]);
-            layers.add("ambient_occlusion", sh_ambient_occlusion(coefficients));
-            layers.add("sh_visibility", std::move(coefficients));
-          },
   };
   return screen_space_method({.name = "s3ho",
                               .title = "S3HO",

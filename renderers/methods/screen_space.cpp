@@ -9,7 +9,6 @@
 #include "renderers/methods/frame.h"
 #include "renderers/methods/representation_layers.h"
 #include "renderers/methods/sample_set.h"
-#include "renderers/scene/error.h"
 
 namespace occlab {
 namespace {
@@ -67,23 +66,8 @@ void bind_inputs(const Framebuffer& framebuffer) {
   }
 }
 
-bool filters(const ParameterSet& parameters) { return parameters.choice("filter") != "none"; }
-bool traces(const ParameterSet& parameters) { return parameters.choice("visibility") == "traced"; }
-
-/// The lit image; negative channels, which an SH product can give, become 0 and are counted.
-Image read_radiance(const Framebuffer& target, std::size_t& negative_pixels) {
-  const Image rgba = target.colors().front().download();
-  Image radiance(rgba.width(), rgba.height(), 3);
-  for (std::size_t p = 0; p < rgba.pixel_count(); ++p) {
-    bool negative = false;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const float value = rgba.values()[p * 4 + c];
-      negative |= value < 0.0f;
-      radiance.values()[p * 3 + c] = value < 0.0f ? 0.0f : value;  // a NaN stays one
-    }
-    negative_pixels += negative ? 1 : 0;
-  }
-  return radiance;
+Image read_radiance(const Framebuffer& target) {
+  return channels_of(target.colors().front().download(), 0, 3);
 }
 
 }  // namespace
@@ -91,7 +75,7 @@ Image read_radiance(const Framebuffer& target, std::size_t& negative_pixels) {
 MethodInfo screen_space_method(MethodInfo info, ScreenSpacePasses passes) {
   info.shaders = {passes.occlusion_shader, passes.lighting_shader, filter_shader};
   if (!passes.off_screen_shader.empty()) info.shaders.push_back(passes.off_screen_shader);
-  info.representation = passes.on_cpu;
+  info.representation = passes.representation;
   info.make = [passes = std::move(passes)] { return std::make_unique<ScreenSpaceMethod>(passes); };
   return info;
 }
@@ -127,10 +111,10 @@ void ScreenSpaceMethod::run_occlusion(const Frame& frame, const ParameterSet& pa
     run_samples(frame, parameters, passes_.occlusion_shader, *representation_, "occlusion");
     return;
   }
-  if (!passes_.on_cpu) throw InputError("visibility=traced: the method has no form on the CPU");
   frame.traced();  // built before the clock runs
   frame.clock("occlusion", [&] {
-    passes_.on_cpu->upload(occlusion_on_cpu(frame, parameters, *passes_.on_cpu), *representation_);
+    const Representation& representation = *passes_.representation;
+    representation.upload(occlusion_on_cpu(frame, parameters, representation), *representation_);
   });
 }
 
@@ -162,13 +146,18 @@ Layers ScreenSpaceMethod::evaluate(const Frame& frame, const ParameterSet& param
   render(frame, parameters);
   Layers layers;
   std::size_t negative_pixels = 0;
-  layers.add("radiance", read_radiance(*radiance_, negative_pixels));
+  layers.add("radiance", clamp_negative(read_radiance(*radiance_), negative_pixels));
   facts["negative_pixels"] = std::to_string(negative_pixels);
-  passes_.read_layers(filters(parameters) ? *filtered_ : *representation_, layers);
+  const Representation& representation = *passes_.representation;
+  representation.add_layers(
+      representation.download(filters(parameters) ? *filtered_ : *representation_,
+                              representation.channels),
+      layers);
   if (filters(parameters)) {
     std::size_t negative_unfiltered = 0;
     run_lighting(frame, parameters, *representation_);
-    layers.add("radiance_unfiltered", read_radiance(*radiance_, negative_unfiltered));
+    layers.add("radiance_unfiltered",
+               clamp_negative(read_radiance(*radiance_), negative_unfiltered));
     facts["negative_pixels_unfiltered"] = std::to_string(negative_unfiltered);
   }
   if (!passes_.off_screen_shader.empty() && !traces(parameters)) {

@@ -17,13 +17,11 @@ struct ScreenSpacePasses {
   std::string occlusion_shader;
   std::string lighting_shader;
   std::vector<GLenum> representation_formats;  ///< the occlusion pass's targets
-  /// The representation on the CPU, which traced visibility needs; outlives the method.
-  const Representation* on_cpu = nullptr;
+  /// What the targets hold, and the same on the CPU; outlives the method.
+  const Representation* representation = nullptr;
   /// A pass of the same samples that fills one float, drawn for evaluate() only and never timed:
   /// it becomes the layer `off_screen`. Empty: none.
   std::string off_screen_shader;
-  /// Adds the method's own layers from its (filtered) representation.
-  std::function<void(const Framebuffer& representation, Layers& layers)> read_layers;
 };
 
 /// Occlusion pass (or rays on the CPU), then the bilateral filter of the representation, then

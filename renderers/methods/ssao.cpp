@@ -23,6 +23,8 @@ constexpr Representation ambient_occlusion = {
     .result = [](Values& sums, int count) { sums[0] = ao_result(sums[0], count); },
     .irradiance = irradiance,
     .upload = upload_floats,
+    .download = download_floats,
+    .add_layers = [](const Image& k_A, Layers& layers) { layers.add("ambient_occlusion", k_A); },
 };
 
 }  // namespace
@@ -32,12 +34,8 @@ MethodInfo ssao() {
       .occlusion_shader = "renderers/methods/ssao.frag",
       .lighting_shader = "renderers/methods/ssao_lighting.frag",
       .representation_formats = {GL_R32F},
-      .on_cpu = &ambient_occlusion,
+      .representation = &ambient_occlusion,
       .off_screen_shader = "renderers/methods/off_screen.frag",
-      .read_layers =
-          [](const Framebuffer& k_A, Layers& layers) {
-            layers.add("ambient_occlusion", channels_of(k_A.colors()[0].download(), 0, 1));
-          },
   };
   return screen_space_method({.name = "ssao",
                               .title = "SSAO",

@@ -39,6 +39,12 @@ constexpr Representation bent_cone = {
     .result = [](Values& sums, int count) { set_rgba(sums, bent_cone_result(rgba(sums), count)); },
     .irradiance = irradiance,
     .upload = upload_floats,
+    .download = download_floats,
+    .add_layers =
+        [](const Image& bent, Layers& layers) {
+          layers.add("uniform_occlusion", channels_of(bent, 3, 1));
+          layers.add("bent_normal", channels_of(bent, 0, 3));
+        },
 };
 
 }  // namespace
@@ -48,14 +54,8 @@ MethodInfo ssbn() {
       .occlusion_shader = "renderers/methods/ssbn.frag",
       .lighting_shader = "renderers/methods/ssbn_lighting.frag",
       .representation_formats = {GL_RGBA32F},
-      .on_cpu = &bent_cone,
+      .representation = &bent_cone,
       .off_screen_shader = {},
-      .read_layers =
-          [](const Framebuffer& target, Layers& layers) {
-            const Image bent = target.colors()[0].download();
-            layers.add("uniform_occlusion", channels_of(bent, 3, 1));
-            layers.add("bent_normal", channels_of(bent, 0, 3));
-          },
   };
   std::vector<Parameter> parameters = screen_space_parameters();
   parameters.push_back(choice_parameter(

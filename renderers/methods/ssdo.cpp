@@ -25,6 +25,8 @@ constexpr Representation incoming_light = {
     .result = [](Values& sums, int count) { set_rgb(sums, radiance_irradiance(rgb(sums), count)); },
     .irradiance = [](const Values& E, const ShadedPoint&, const CpuLighting&) { return rgb(E); },
     .upload = upload_floats,
+    .download = download_floats,
+    .add_layers = [](const Image& E, Layers& layers) { layers.add("irradiance", E); },
 };
 
 }  // namespace
@@ -34,12 +36,8 @@ MethodInfo ssdo() {
       .occlusion_shader = "renderers/methods/ssdo.frag",
       .lighting_shader = "renderers/methods/ssdo_lighting.frag",
       .representation_formats = {GL_RGBA32F},
-      .on_cpu = &incoming_light,
+      .representation = &incoming_light,
       .off_screen_shader = {},
-      .read_layers =
-          [](const Framebuffer& irradiance, Layers& layers) {
-            layers.add("irradiance", channels_of(irradiance.colors()[0].download(), 0, 3));
-          },
   };
   return screen_space_method({.name = "ssdo",
                               .title = "SSDO",
