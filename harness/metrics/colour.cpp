@@ -10,17 +10,6 @@ namespace {
 constexpr double degrees = 180.0 / std::numbers::pi;
 constexpr double radians = std::numbers::pi / 180.0;
 
-double lab_response(double t) {
-  constexpr double delta = 6.0 / 29.0;
-  return t > delta * delta * delta ? std::cbrt(t) : t / (3.0 * delta * delta) + 4.0 / 29.0;
-}
-
-template <typename T>
-T encode(T linear) {
-  return linear <= T(0.0031308) ? T(12.92) * linear
-                                : T(1.055) * std::pow(linear, T(1.0 / 2.4)) - T(0.055);
-}
-
 double power_7(double x) {
   const double cube = x * x * x;
   return cube * cube * x;
@@ -34,23 +23,6 @@ double hue_degrees(double a, double b) {
 }
 
 }  // namespace
-
-double srgb_encode(double linear) { return encode(linear); }
-float srgb_encode(float linear) { return encode(linear); }
-
-Xyz rgb_to_xyz(const Rgb& rgb) {
-  const auto row = [&](const Rgb& weights) {
-    return weights[0] * rgb[0] + weights[1] * rgb[1] + weights[2] * rgb[2];
-  };
-  return {row(xyz_from_rgb[0]), luminance(rgb), row(xyz_from_rgb[2])};
-}
-
-Lab xyz_to_lab(const Xyz& xyz) {
-  const double x = lab_response(xyz[0] / white_xyz[0]);
-  const double y = lab_response(xyz[1] / white_xyz[1]);
-  const double z = lab_response(xyz[2] / white_xyz[2]);
-  return {116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)};
-}
 
 Chromaticity xyz_to_uv(const Xyz& xyz) {
   const double sum = xyz[0] + 15.0 * xyz[1] + 3.0 * xyz[2];

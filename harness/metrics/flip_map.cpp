@@ -54,6 +54,9 @@ constexpr Matrix to_xyz = relative_xyz_from_rgb();
 constexpr Matrix to_opponent = opponent_from_rgb();
 constexpr Matrix to_rgb = inverse(to_opponent);
 
+// Every tone curve exceeds 1 from here on, and squares of larger values might overflow.
+constexpr float far_beyond_white = 1e4f;
+
 inline float apply(const std::array<double, 3>& row, float a, float b, float c) {
   return static_cast<float>(row[0]) * a + static_cast<float>(row[1]) * b +
          static_cast<float>(row[2]) * c;
@@ -165,9 +168,9 @@ void filter_across(Tile& tile, const FlipImage& image, int left, int top) {
   PaddedRow y, cx, cz;
   for (int i = 0; i < padded_height; ++i) {
     const int row = std::clamp(top - flip_reach + i, 0, image.height - 1);
-    copy_padded(y, image.y, image.width, row, left - flip_reach);
-    copy_padded(cx, image.cx, image.width, row, left - flip_reach);
-    copy_padded(cz, image.cz, image.width, row, left - flip_reach);
+    copy_padded(y, image.opponent[0], image.width, row, left - flip_reach);
+    copy_padded(cx, image.opponent[1], image.width, row, left - flip_reach);
+    copy_padded(cz, image.opponent[2], image.width, row, left - flip_reach);
     const auto at = std::size_t(i);
     smooth_row<1>(tile.achromatic[at], filters.achromatic, y.data() + flip_reach);
     smooth_row<1>(tile.red_green[at], filters.red_green, cx.data() + flip_reach);
@@ -177,13 +180,6 @@ void filter_across(Tile& tile, const FlipImage& image, int left, int top) {
     edge_row<1>(tile.edge[at], y.data() + flip_reach);
     point_row<1>(tile.point[at], y.data() + flip_reach);
   }
-}
-
-inline float lab_response(float t) {
-  constexpr float delta = 6.0f / 29.0f;
-  const float root = fast_cbrt(t);
-  const float line = t / (3.0f * delta * delta) + 4.0f / 29.0f;
-  return t > delta * delta * delta ? root : line;
 }
 
 // Clamp to the RGB cube, CIELAB, and the Hunt effect: colours of dark pixels count less.
@@ -231,6 +227,24 @@ void filter_down(SeenRow& seen, const Tile& tile, int row) {
   smooth_row<tile_width>(across, filters.gaussian, at(tile.point));
   point_row<tile_width>(down, at(tile.gaussian));
   lengths(seen.point, across, down);
+}
+
+// A row of pixels; a function of its own, through plain pointers, so that the loop vectorises.
+void display_row(float* __restrict y, float* __restrict cx, float* __restrict cz, const float* red,
+                 const float* green, const float* blue, const float* foreground, std::size_t count,
+                 FlipDisplay display) {
+  for (std::size_t x = 0; x < count; ++x) {
+    const auto shown = [&](float value) {
+      const float s = std::min(std::max(display.exposure * value, 0.0f), far_beyond_white);
+      const float tone =
+          s * (display.a * s + display.b) / (s * (display.c * s + display.d) + display.e);
+      return foreground[x] != 0.0f ? std::min(tone, 1.0f) : flip_background;
+    };
+    const float r = shown(red[x]), g = shown(green[x]), b = shown(blue[x]);
+    y[x] = apply(to_opponent[0], r, g, b);
+    cx[x] = apply(to_opponent[1], r, g, b);
+    cz[x] = apply(to_opponent[2], r, g, b);
+  }
 }
 
 constexpr float q_c = 0.7f;
@@ -317,26 +331,14 @@ double inverse_tone(const FlipDisplay& display, double t) {
 }
 
 FlipImage flip_image(const PreparedPair& pair, const Planes& radiance, const FlipDisplay& display) {
-  // Every curve exceeds 1 from here on, and squares of larger values might overflow.
-  constexpr float far_beyond_white = 1e4f;
-  const std::size_t pixels = pair.foreground.size();
-  FlipImage image{pair.width, pair.height, Plane(pixels), Plane(pixels), Plane(pixels)};
+  FlipImage image{pair.width, pair.height, {}};
+  for (Plane& plane : image.opponent) plane.resize(pair.foreground.size());
   for_each_row(pair.height, [&](int row) {
     const auto width = static_cast<std::size_t>(pair.width);
-    const std::size_t begin = static_cast<std::size_t>(row) * width;
-    for (std::size_t i = begin; i < begin + width; ++i) {
-      std::array<float, 3> rgb{};
-      for (std::size_t c = 0; c < 3; ++c) {
-        const float s =
-            std::min(std::max(display.exposure * radiance[c][i], 0.0f), far_beyond_white);
-        const float tone =
-            s * (display.a * s + display.b) / (s * (display.c * s + display.d) + display.e);
-        rgb[c] = pair.foreground[i] != 0.0f ? std::min(tone, 1.0f) : flip_background;
-      }
-      image.y[i] = apply(to_opponent[0], rgb[0], rgb[1], rgb[2]);
-      image.cx[i] = apply(to_opponent[1], rgb[0], rgb[1], rgb[2]);
-      image.cz[i] = apply(to_opponent[2], rgb[0], rgb[1], rgb[2]);
-    }
+    display_row(row_of(image.opponent[0], row, width), row_of(image.opponent[1], row, width),
+                row_of(image.opponent[2], row, width), row_of(radiance[0], row, width),
+                row_of(radiance[1], row, width), row_of(radiance[2], row, width),
+                row_of(pair.foreground, row, width), width, display);
   });
   return image;
 }
@@ -345,7 +347,7 @@ Plane flip_map(const FlipImage& reference, const FlipImage& test) {
   const float c_max = largest_colour_difference();
   const int across = (reference.width + tile_width - 1) / tile_width;
   const int down = (reference.height + tile_height - 1) / tile_height;
-  Plane map(reference.y.size());
+  Plane map(reference.opponent[0].size());
   for_each_row(
       across * down,
       [&](int tile) {

@@ -6,11 +6,11 @@ namespace occlab {
 
 /// A displayed image as FLIP filters it: the linear opponent colours Y C_x C_z (Andersson et al.
 /// 2020, colour pipeline), left in [0, 1] where the paper scales them by 116, 500 and 200, as all
-/// filters are linear: Y/Y_n, X/X_n - Y/Y_n and Y/Y_n - Z/Z_n.
+/// filters are linear: y = Y/Y_n, cx = X/X_n - Y/Y_n, cz = Y/Y_n - Z/Z_n.
 struct FlipImage {
   int width = 0;
   int height = 0;
-  Plane y, cx, cz;
+  Planes opponent;  ///< y, cx, cz
 };
 
 /// Linear value of the grey that stands wherever the mask is 0, in both images and at every

@@ -20,6 +20,12 @@ inline Rgb colour_at(const Planes& planes, std::size_t index) {
   return {planes[0][index], planes[1][index], planes[2][index]};
 }
 
+inline float* row_of(Plane& plane, int row, std::size_t width) {
+  return plane.data() + static_cast<std::size_t>(row) * width;
+}
+inline const float* row_of(const Plane& plane, int row, std::size_t width) {
+  return plane.data() + static_cast<std::size_t>(row) * width;
+}
 /// Colours of one image as a display would show them: scaled by the shared exposure, clamped to
 /// [0, 1].
 struct Displayed {
