@@ -75,7 +75,7 @@ double flip_of_greys(double l_first, double l_second) {
   return power < knee ? 0.95 * power / knee : 0.95 + 0.05 * (power - knee) / (c_max - knee);
 }
 
-TEST(BlackTest, IsAllError) {
+TEST(EdgeCases, BlackTestIsAllError) {
   // L* of black and white differ by 100 about a mean of 50, where CIEDE2000 weighs them by 1.
   // HDR-FLIP shows the reference at 0.85 of the display.
   const double flip = flip_of_greys(100.0, 0.0);
@@ -94,7 +94,7 @@ TEST(BlackTest, IsAllError) {
                                                     {"high_frequency_residual_4", 0.0}});
 }
 
-TEST(BlackReference, IsNotMeasured) {
+TEST(EdgeCases, BlackReferenceIsNotMeasured) {
   const std::string reason =
       "the reference's mean luminance over the foreground is 0, and errors are relative to it";
   const Image black = grey(13, 12, 0.0f);
@@ -103,7 +103,7 @@ TEST(BlackReference, IsNotMeasured) {
   expect_unmeasured({black, black, all_of(black)}, reason);
 }
 
-TEST(EqualConstantImages, AreWithoutError) {
+TEST(EdgeCases, EqualConstantImagesAreWithoutError) {
   const Image image = grey(12, 13, 0.25f);
   expect_all({image, image, all_of(image)},
              {{"rmse", 0.0},
@@ -119,7 +119,7 @@ TEST(EqualConstantImages, AreWithoutError) {
              0.0);
 }
 
-TEST(OnePixel, IsMeasuredButForItsWindows) {
+TEST(EdgeCases, OnePixelIsMeasuredButForItsWindows) {
   const Image image = grey(1, 1, 3.0f);
   expect_all({image, image, all_of(image)},
              {{"rmse", 0.0},
@@ -135,7 +135,7 @@ TEST(OnePixel, IsMeasuredButForItsWindows) {
              0.0);
 }
 
-TEST(OneMaskedPixel, IsMeasuredWithinItsGreySurroundings) {
+TEST(EdgeCases, OneMaskedPixelIsMeasuredWithinItsGreySurroundings) {
   Image mask(9, 9, 1);
   mask.at(4, 4) = 1;
   const Image reference = noise_image(9, 9, 1);
@@ -151,7 +151,7 @@ TEST(OneMaskedPixel, IsMeasuredWithinItsGreySurroundings) {
   }
 }
 
-TEST(SmallerThanTheFilters, AConstantErrorHasClosedForms) {
+TEST(EdgeCases, SmallerThanTheFiltersAConstantErrorHasClosedForms) {
   // 3 x 2 pixels of reference 1 and test 1/2: sRGB 0.735357, L* 76.0693.
   const double encoded = 0.735356983052449;
   const double l = 76.0692610142;
@@ -179,7 +179,7 @@ TEST(SmallerThanTheFilters, AConstantErrorHasClosedForms) {
               {"high_frequency_residual_4", 0.0}});
 }
 
-TEST(TestPixels, ThatAreNotFiniteAreCounted) {
+TEST(EdgeCases, TestPixelsThatAreNotFiniteAreCounted) {
   const Image reference = noise_image(12, 12, 1);
   for (const float bad : {not_a_number, infinite, -infinite}) {
     Image test = noise_image(12, 12, 2);
@@ -199,7 +199,7 @@ TEST(TestPixels, ThatAreNotFiniteAreCounted) {
   }
 }
 
-TEST(ReferencePixels, ThatAreNotFiniteAreAnError) {
+TEST(EdgeCases, ReferencePixelsThatAreNotFiniteAreAnError) {
   const Image test = noise_image(4, 3, 2);
   for (const auto& [bad, word] :
        {std::pair(not_a_number, "nan"), std::pair(infinite, "inf"), std::pair(-infinite, "-inf")}) {
@@ -211,14 +211,14 @@ TEST(ReferencePixels, ThatAreNotFiniteAreAnError) {
   }
 }
 
-TEST(EmptyMask, IsAnError) {
+TEST(EdgeCases, EmptyMaskIsAnError) {
   const Image image = noise_image(4, 3, 1);
   expect_refused({image, image, Image(4, 3, 1, 0.5f)},
                  "mask image: none of its 4 x 3 pixels exceeds 0.5; at least one foreground pixel "
                  "is needed");
 }
 
-TEST(Sizes, ThatDifferAreAnError) {
+TEST(EdgeCases, SizesThatDifferAreAnError) {
   const Image image = noise_image(4, 3, 1);
   const Image other = noise_image(3, 4, 1);
   expect_refused({image, other, all_of(image)},
