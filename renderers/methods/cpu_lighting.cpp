@@ -38,11 +38,28 @@ CpuLighting::CpuLighting(const Lighting& lighting, const PassConstants& constant
       window_(sh_hanning_window(constants.hanning_width)),
       cone_angle_(constants.cone_angle) {}
 
-glm::vec3 CpuLighting::probe_radiance(glm::vec3 s) const {
-  const glm::vec2 at =
-      equirect_uv(probe_from_view_ * s) * glm::vec2(probe_.width(), probe_.height());
-  return texel(probe_, std::clamp(int(at.x), 0, probe_.width() - 1),
-               std::clamp(int(at.y), 0, probe_.height() - 1));
+std::array<glm::vec3, lane_count> CpuLighting::probe_radiance(
+    const std::array<glm::vec3, lane_count>& directions) const {
+  Lanes3 d;
+  for (int i = 0; i < lane_count; ++i) {
+    const glm::vec3 in_probe = probe_from_view_ * directions[std::size_t(i)];
+    d.x[i] = in_probe.x;
+    d.y[i] = in_probe.y;
+    d.z[i] = in_probe.z;
+  }
+  Lanes column;
+  Lanes row;
+  for (int i = 0; i < lane_count; ++i) {  // on its own, for the vectoriser
+    const glm::vec2 uv = equirect_uv(glm::vec3(d.x[i], d.y[i], d.z[i]));
+    column[i] = uv.x * float(probe_.width());
+    row[i] = uv.y * float(probe_.height());
+  }
+  std::array<glm::vec3, lane_count> radiance;
+  for (int i = 0; i < lane_count; ++i) {
+    radiance[std::size_t(i)] = texel(probe_, std::clamp(int(column[i]), 0, probe_.width() - 1),
+                                     std::clamp(int(row[i]), 0, probe_.height() - 1));
+  }
+  return radiance;
 }
 
 glm::vec3 CpuLighting::cone_radiance(glm::vec3 d, float angle) const {

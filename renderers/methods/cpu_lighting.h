@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "renderers/methods/lighting.h"
 #include "renderers/methods/pass_constants.h"
 
@@ -12,8 +14,9 @@ class CpuLighting {
   /// Makes whatever `lighting`, which outlives this, has not made yet.
   CpuLighting(const Lighting& lighting, const PassConstants& constants);
 
-  /// The probe's nearest texel in direction s.
-  glm::vec3 probe_radiance(glm::vec3 s) const;
+  /// The probe's nearest texel in each of 16 directions.
+  std::array<glm::vec3, lane_count> probe_radiance(
+      const std::array<glm::vec3, lane_count>& directions) const;
   /// L_c(d, angle), linear between texels and levels.
   glm::vec3 cone_radiance(glm::vec3 d, float angle) const;
   /// Of the whole probe on a surface with normal n.

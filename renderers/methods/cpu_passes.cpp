@@ -62,6 +62,7 @@ class GroupSums {
       }
       const float xi = fract(sample.w + shift);
       const Lanes visible = pass_.visibility(group_, direction, xi, reach);
+      if (reads_radiance_) radiance_ = pass_.lighting.probe_radiance(direction);
       for (int i = 0; i < lane_count; ++i) add(i, direction[std::size_t(i)], sample.z, visible[i]);
     }
     if (reads_radiance_) add_lights(samples, shift);
@@ -81,10 +82,7 @@ class GroupSums {
  private:
   void add(int lane, glm::vec3 direction, float cosine, float visibility) {
     if (!group_.active[lane]) return;
-    SampledDirection sampled{direction, cosine, visibility, glm::vec3(0.0f)};
-    if (reads_radiance_ && visibility > 0.0f) {
-      sampled.radiance = pass_.lighting.probe_radiance(direction);
-    }
+    const SampledDirection sampled{direction, cosine, visibility, radiance_[std::size_t(lane)]};
     for (std::size_t r = 0; r < representations_.size(); ++r) {
       representations_[r]->accumulate(sums_[r][std::size_t(lane)], sampled);
     }
@@ -123,6 +121,7 @@ class GroupSums {
   const PixelGroup& group_;
   std::span<const Representation* const> representations_;
   bool reads_radiance_ = false;
+  std::array<glm::vec3, lane_count> radiance_{};
   std::vector<std::array<Values, lane_count>> sums_;
 };
 

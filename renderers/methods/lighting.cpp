@@ -8,9 +8,9 @@ namespace occlab {
 namespace {
 
 /// One row more beyond either pole, so that linear filtering gives every direction at the pole the
-/// mean of the row around it: a texel t of that row has 2 mean - t beyond it. With the row repeated,
-/// or that of the other side, the pole's value would depend on a direction's last bits: noise on
-/// every level floor.
+/// mean of the row around it: a texel t of that row has 2 mean - t beyond it. With the row
+/// repeated, or that of the other side, the pole's value would depend on a direction's last bits:
+/// noise on every level floor.
 Image with_rows_beyond_poles(const Image& image) {
   Image padded(image.width(), image.height() + 2, image.channels());
   for (int y = 0; y < image.height(); ++y) {
