@@ -129,19 +129,10 @@ class GroupSums {
 
 void add_directions(const DirectionPass& pass, const SampleSet& samples,
                     std::span<const Representation* const> representations, std::span<Image> sums) {
-  const Image& mask = pass.surface.mask;
-  const int columns = (mask.width() + group_block - 1) / group_block;
-  const int rows = (mask.height() + group_block - 1) / group_block;
-  parallel_for(std::size_t(columns * rows), [&](std::size_t block) {
-    throw_if_interrupted();
-    const glm::ivec2 corner = group_block * glm::ivec2(int(block) % columns, int(block) / columns);
-    for (int set = 0; set < int(samples.sets.size()); ++set) {
-      const PixelGroup group = pixel_group(pass.surface, samples, corner, set);
-      if (!group.any) continue;
-      GroupSums group_sums(pass, group, representations);
-      group_sums.add(samples, samples.sets[std::size_t(set)].z);
-      group_sums.store(sums);
-    }
+  for_each_group(pass.surface, samples, [&](const PixelGroup& group, int set) {
+    GroupSums group_sums(pass, group, representations);
+    group_sums.add(samples, samples.sets[std::size_t(set)].z);
+    group_sums.store(sums);
   });
 }
 

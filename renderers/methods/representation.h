@@ -5,6 +5,7 @@
 
 #include "renderers/gl/texture.h"
 #include "renderers/methods/cpu_lighting.h"
+#include "renderers/methods/visibility_source.h"
 #include "renderers/scene/image_io.h"
 
 namespace occlab {
@@ -15,11 +16,6 @@ struct SampledDirection {
   float cosine;        ///< n.s
   float visibility;    ///< V
   glm::vec3 radiance;  ///< L_in, only where the representation reads it
-};
-
-struct ShadedPoint {
-  glm::vec3 position;  ///< view space
-  glm::vec3 normal;    ///< view space, unit
 };
 
 /// What a visible direction is accumulated into, and how light is read back out of it: the CPU's

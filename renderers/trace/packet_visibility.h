@@ -34,6 +34,23 @@ class PacketVisibility {
                                            : weighted(origin, active, direction, distance);
   }
 
+  /// The distance of each active lane's nearest hit within `distance`; infinite where there is
+  /// none.
+  Lanes nearest(const Lanes3& origin, const LaneMask& active, const Lanes3& direction,
+                const Lanes& distance) {
+    RTCRayHit16 hit;
+    fill_rays(hit.ray, origin, direction, distance);
+    for (int i = 0; i < lane_count; ++i) hit.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect16(active.v.data(), scene_, &context_, &hit);
+    Lanes result;
+    for (int i = 0; i < lane_count; ++i) {
+      result[i] = hit.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID
+                      ? std::numeric_limits<float>::infinity()
+                      : hit.ray.tfar[i];
+    }
+    return result;
+  }
+
  private:
   Lanes binary(const Lanes3& origin, const LaneMask& active, const Lanes3& direction,
                const Lanes& distance) {
@@ -47,16 +64,13 @@ class PacketVisibility {
 
   Lanes weighted(const Lanes3& origin, const LaneMask& active, const Lanes3& direction,
                  const Lanes& distance) {
-    RTCRayHit16 hit;
-    fill_rays(hit.ray, origin, direction, distance);
-    for (int i = 0; i < lane_count; ++i) hit.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect16(active.v.data(), scene_, &context_, &hit);
+    const Lanes hit = nearest(origin, active, direction, distance);
     Lanes visible;
     for (int i = 0; i < lane_count; ++i) {
-      visible[i] = hit.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID
-                       ? 1.0f
-                       : blocked_visibility(weight_.weight, hit.ray.tfar[i], weight_.d_max_world,
-                                            weight_.lambda_per_world, weight_.fade_start);
+      visible[i] = std::isfinite(hit[i])
+                       ? blocked_visibility(weight_.weight, hit[i], weight_.d_max_world,
+                                            weight_.lambda_per_world, weight_.fade_start)
+                       : 1.0f;
     }
     return visible;
   }

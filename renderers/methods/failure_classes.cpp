@@ -1,0 +1,244 @@
+#include "renderers/methods/failure_classes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "renderers/shared/representation_ao.h"
+#include "renderers/shared/representation_radiance.h"
+#include "renderers/shared/visibility.h"
+
+namespace occlab {
+namespace {
+
+glm::vec3 vec3_at(const Image& image, glm::ivec2 pixel) {
+  return {image.at(pixel.x, pixel.y, 0), image.at(pixel.x, pixel.y, 1),
+          image.at(pixel.x, pixel.y, 2)};
+}
+
+/// Sums of V (n.s) and of V L (n.s), a class after the other.
+struct ClassSums {
+  std::vector<Image> occlusion;
+  std::vector<Image> light;
+
+  explicit ClassSums(const Image& mask) {
+    for (std::size_t c = 0; c < failure_class_names.size(); ++c) {
+      occlusion.emplace_back(mask.width(), mask.height(), 1);
+      light.emplace_back(mask.width(), mask.height(), 3);
+    }
+  }
+};
+
+/// A direction of a pixel as both see it.
+struct Disagreement {
+  ShadedPoint point;
+  glm::vec3 direction;
+  DepthMarch::Result march;
+  float hit_distance = 0.0f;  ///< of the ray; infinite where it meets nothing at all
+  float traced_visibility = 1.0f;
+};
+
+class Classifier {
+ public:
+  Classifier(const GBufferImages& surface, const DepthMarch& march, const PassConstants& constants)
+      : surface_(surface), march_(march), constants_(constants) {}
+
+  FailureClass operator()(const Disagreement& d) const {
+    return d.march.visibility > d.traced_visibility ? leak(d) : loss(d);
+  }
+
+ private:
+  /// The ray is blocked at h (more than the march is).
+  FailureClass leak(const Disagreement& d) const {
+    const glm::vec3 h = d.point.position + d.hit_distance * d.direction;
+    const std::optional<glm::ivec2> pixel = march_.pixel_of(h);
+    if (!pixel) return FailureClass::off_screen;
+    if (shows(*pixel, h)) return FailureClass::thin;
+    if (any_neighbour(*pixel, [&](glm::ivec2 other) { return shows(other, h); })) {
+      return FailureClass::edge;
+    }
+    // Something nearer than h is seen there, or, with h on a sliver between centres, past it.
+    return nearer(*pixel, h) ? FailureClass::hidden_blocker : FailureClass::edge;
+  }
+
+  /// The march is blocked at its sample (more than the ray is).
+  FailureClass loss(const Disagreement& d) const {
+    if (std::isfinite(d.hit_distance) && d.hit_distance > constants_.d_max_world) {
+      return FailureClass::beyond_radius;
+    }
+    const bool open_beside = any_neighbour(
+        d.march.pixel, [&](glm::ivec2 other) { return !nearer(other, d.march.sample); });
+    return open_beside ? FailureClass::edge : FailureClass::behind_surface;
+  }
+
+  bool seen(glm::ivec2 pixel) const { return surface_.mask.at(pixel.x, pixel.y) > 0.5f; }
+
+  /// Whether q lies on the plane of the surface seen through the pixel.
+  bool shows(glm::ivec2 pixel, glm::vec3 q) const {
+    if (!seen(pixel)) return false;
+    const glm::vec3 apart = q - vec3_at(surface_.position_view, pixel);
+    return std::abs(dot(apart, vec3_at(surface_.geometric_normal_view, pixel))) <= on_plane(q);
+  }
+
+  /// Whether the surface seen through the pixel is nearer to the camera than q.
+  bool nearer(glm::ivec2 pixel, glm::vec3 q) const {
+    return seen(pixel) &&
+           surface_.position_view.at(pixel.x, pixel.y, 2) > q.z + constants_.bias_world;
+  }
+
+  /// A thousandth of the distance to the camera: curved surfaces leave their tangent plane by less
+  /// within a pixel, and it is above float noise.
+  static float on_plane(glm::vec3 q) { return 1e-3f * length(q); }
+
+  template <typename Test>
+  bool any_neighbour(glm::ivec2 pixel, const Test& test) const {
+    for (int y = pixel.y - 1; y <= pixel.y + 1; ++y) {
+      for (int x = pixel.x - 1; x <= pixel.x + 1; ++x) {
+        const bool inside =
+            x >= 0 && y >= 0 && x < surface_.mask.width() && y < surface_.mask.height();
+        if (inside && glm::ivec2(x, y) != pixel && test(glm::ivec2(x, y))) return true;
+      }
+    }
+    return false;
+  }
+
+  const GBufferImages& surface_;
+  const DepthMarch& march_;
+  const PassConstants& constants_;
+};
+
+/// Everything one round reads.
+struct Inputs {
+  const GBufferImages& surface;
+  const View& view;
+  const TracedScene& traced;
+  const CpuLighting& lighting;
+  const PassConstants& constants;
+};
+
+/// One set's directions at the pixels of one group.
+class GroupFailures {
+ public:
+  GroupFailures(const Inputs& in, const DepthMarch& march, const PixelGroup& group)
+      : in_(in),
+        march_(march),
+        classify_(in.surface, march, in.constants),
+        group_(group),
+        rays_through_(in.traced, in.constants.blocker) {
+    everywhere_.v.fill(std::numeric_limits<float>::infinity());
+  }
+
+  void add(const glm::vec4& sample, float shift, ClassSums& sums) {
+    LaneDirections direction;
+    for (std::size_t i = 0; i < direction.size(); ++i) {
+      direction[i] = group_.frame[i] * glm::vec3(sample);
+    }
+    const GroupRays rays = rays_of(group_, direction, in_.view, in_.traced.ray_lift_world());
+    const Lanes hit =
+        rays_through_.nearest(rays.origin, group_.active, rays.direction, everywhere_);
+    const auto radiance = in_.lighting.probe_radiance(direction);
+    for (std::size_t i = 0; i < direction.size(); ++i) {
+      if (!group_.active.v[i]) continue;
+      const ShadedPoint point{group_.position[i], group_.normal[i]};
+      const Disagreement d{.point = point,
+                           .direction = direction[i],
+                           .march = march_.march(point, direction[i], fract(sample.w + shift),
+                                                 in_.constants.d_max_world),
+                           .hit_distance = hit.v[i],
+                           .traced_visibility = traced_visibility_at(hit.v[i])};
+      const float difference = d.march.visibility - d.traced_visibility;
+      if (difference == 0.0f) continue;
+      const auto c = std::size_t(classify_(d));
+      const glm::ivec2 pixel = group_.pixel[i];
+      ao_accumulate(sums.occlusion[c].at(pixel.x, pixel.y), difference, sample.z);
+      for (int channel = 0; channel < 3; ++channel) {
+        sums.light[c].at(pixel.x, pixel.y, channel) += difference * sample.z * radiance[i][channel];
+      }
+    }
+  }
+
+ private:
+  float traced_visibility_at(float hit_distance) const {
+    if (hit_distance > in_.constants.d_max_world) return 1.0f;
+    const BlockerWeight& blocker = in_.constants.blocker;
+    return blocked_visibility(blocker.weight, hit_distance, blocker.d_max_world,
+                              blocker.lambda_per_world, blocker.fade_start);
+  }
+
+  const Inputs& in_;
+  const DepthMarch& march_;
+  Classifier classify_;
+  const PixelGroup& group_;
+  PacketVisibility rays_through_;
+  Lanes everywhere_;
+};
+
+void add_failures(const Inputs& in, const DepthMarch& march, const SampleSet& samples,
+                  ClassSums& sums) {
+  for_each_group(in.surface, samples, [&](const PixelGroup& group, int set) {
+    GroupFailures failures(in, march, group);
+    for (const glm::vec4& sample : samples.directions) {
+      failures.add(sample, samples.sets[std::size_t(set)].z, sums);
+    }
+  });
+}
+
+/// RMS over the surface of half the difference of two halves' k_A, all classes together.
+double half_difference(const ClassSums& a, const ClassSums& b, int directions, const Image& mask) {
+  double squares = 0.0;
+  std::size_t pixels = 0;
+  for (std::size_t p = 0; p < mask.pixel_count(); ++p) {
+    if (mask.values()[p] < 0.5f) continue;
+    float difference = 0.0f;
+    for (std::size_t c = 0; c < failure_class_names.size(); ++c) {
+      difference += a.occlusion[c].values()[p] - b.occlusion[c].values()[p];
+    }
+    const double k_A = 0.5 * double(ao_result(difference, directions));
+    squares += k_A * k_A;
+    ++pixels;
+  }
+  return pixels == 0 ? 0.0 : std::sqrt(squares / double(pixels));
+}
+
+}  // namespace
+
+Failures classify_failures(const GBufferImages& surface, const View& view,
+                           const TracedScene& traced, const Lighting& lighting,
+                           const PassConstants& constants, const Convergence& convergence) {
+  const auto start = std::chrono::steady_clock::now();
+  const CpuLighting light(lighting, constants);
+  const DepthMarch march(surface, view, constants);
+  const Inputs in{surface, view, traced, light, constants};
+  std::array<ClassSums, 2> halves = {ClassSums(surface.mask), ClassSums(surface.mask)};
+  Failures result;
+  std::uint64_t seed = convergence.seed;
+  int per_half = 0;
+  for (int directions = convergence.first_round;; directions *= 2) {
+    for (ClassSums& half : halves) {
+      add_failures(in, march, make_sample_set(directions, seed++), half);
+    }
+    per_half += directions;
+    result.standard_error = half_difference(halves[0], halves[1], per_half, surface.mask);
+    result.reached = result.standard_error <= convergence.tolerance;
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+    if (result.reached || elapsed.count() > convergence.budget_seconds) break;
+  }
+  result.directions = 2 * per_half;
+  for (std::size_t c = 0; c < failure_class_names.size(); ++c) {
+    FailureMaps& maps = result.classes[c];
+    maps.occlusion = Image(surface.mask.width(), surface.mask.height(), 1);
+    maps.radiance = Image(surface.mask.width(), surface.mask.height(), 3);
+    for (std::size_t p = 0; p < surface.mask.pixel_count(); ++p) {
+      const float k_A = halves[0].occlusion[c].values()[p] + halves[1].occlusion[c].values()[p];
+      maps.occlusion.values()[p] = ao_result(k_A, result.directions);
+      for (std::size_t i = 3 * p; i < 3 * p + 3; ++i) {
+        const float sum = halves[0].light[c].values()[i] + halves[1].light[c].values()[i];
+        maps.radiance.values()[i] =
+            surface.albedo.values()[i] / pi * sum * (2.0f * pi / float(result.directions));
+      }
+    }
+  }
+  return result;
+}
+
+}  // namespace occlab
