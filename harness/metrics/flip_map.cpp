@@ -115,8 +115,8 @@ void convolve(TileRow& target, const FlipTaps& kernel, const float* at) {
     }
     for (int k = 1; k <= kernel.radius; ++k) {
       const float tap = kernel.taps[std::size_t(k)];
-      const float* ahead = at + k * stride;
-      const float* behind = at - k * stride;
+      const float* ahead = at + std::ptrdiff_t(k) * stride;
+      const float* behind = at - std::ptrdiff_t(k) * stride;
       low += tap * paired<kind>(load(ahead), load(behind), low_centre);
       high += tap * paired<kind>(load(ahead + lanes), load(behind + lanes), high_centre);
     }
