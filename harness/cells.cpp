@@ -31,7 +31,7 @@ void drop_layers(Layers& layers, const std::vector<std::string>& names) {
 
 }  // namespace
 
-CellKey cell_key(const Workbench& bench, const PlannedCell& cell) {
+CellKey workbench_key(const Workbench& bench) {
   const View& view = bench.frame().view;
   const ProbeSettings& probe = bench.probe();
   CellKey key;
@@ -42,6 +42,14 @@ CellKey cell_key(const Workbench& bench, const PlannedCell& cell) {
   key.add("probe_settings",
           fmt::format("rotation_degrees={} exposure_stops={} prefilter_degrees={}",
                       probe.rotation_degrees, probe.exposure_stops, probe.prefilter_degrees));
+  key.add("device", bench.device().renderer);
+  key.add("driver", bench.device().version);
+  key.add("code", std::string(renderers_hash));
+  return key;
+}
+
+CellKey cell_key(const Workbench& bench, const PlannedCell& cell) {
+  CellKey key = workbench_key(bench);
   key.add("method", cell.method);
   key.add("parameters", cell.parameters.to_string());
   std::string shaders;
@@ -49,9 +57,6 @@ CellKey cell_key(const Workbench& bench, const PlannedCell& cell) {
     shaders += expand_shader(shader, "").text;
   }
   key.add("shaders", sha256_text(shaders));
-  key.add("device", bench.device().renderer);
-  key.add("driver", bench.device().version);
-  key.add("code", std::string(renderers_hash));
   return key;
 }
 
@@ -69,15 +74,19 @@ Layers render_cell(Workbench& bench, const PlannedCell& cell, OcclusionMethod& m
   return layers;
 }
 
+Metadata workbench_metadata(const Workbench& bench) {
+  return {{"occlab:scene", bench.scene().path.filename().string()},
+          {"occlab:view", bench.frame().view.camera.name},
+          {"occlab:probe", describe(bench.probe())},
+          {"occlab:device", bench.device().renderer},
+          {"occlab:driver", bench.device().version},
+          {"occlab:commit", std::string(build_commit)}};
+}
+
 Metadata cell_metadata(const Workbench& bench, const PlannedCell& cell, const Metadata& facts) {
-  Metadata metadata = {{"occlab:method", cell.method},
-                       {"occlab:parameters", cell.parameters.to_string()},
-                       {"occlab:scene", bench.scene().path.filename().string()},
-                       {"occlab:view", bench.frame().view.camera.name},
-                       {"occlab:probe", describe(bench.probe())},
-                       {"occlab:device", bench.device().renderer},
-                       {"occlab:driver", bench.device().version},
-                       {"occlab:commit", std::string(build_commit)}};
+  Metadata metadata = workbench_metadata(bench);
+  metadata["occlab:method"] = cell.method;
+  metadata["occlab:parameters"] = cell.parameters.to_string();
   for (const auto& [name, value] : facts) metadata["occlab:" + name] = value;
   return metadata;
 }

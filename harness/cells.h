@@ -12,6 +12,10 @@ namespace occlab {
 /// Names and values in declared order, without `seed`: what a measurement's parameters are.
 std::vector<std::pair<std::string, std::string>> named_parameters(const ParameterSet& parameters);
 
+/// What determines the pixels of everything that is made on this workbench: scene, view, light,
+/// device and code.
+CellKey workbench_key(const Workbench& bench);
+
 /// What determines a cell's pixels on this workbench.
 CellKey cell_key(const Workbench& bench, const PlannedCell& cell);
 
@@ -20,6 +24,9 @@ CellKey cell_key(const Workbench& bench, const PlannedCell& cell);
 /// `facts` gets what the method reports and the wall time.
 Layers render_cell(Workbench& bench, const PlannedCell& cell, OcclusionMethod& method,
                    Metadata& facts);
+
+/// What an EXR says of where it was made.
+Metadata workbench_metadata(const Workbench& bench);
 
 /// What the EXR says of itself.
 Metadata cell_metadata(const Workbench& bench, const PlannedCell& cell, const Metadata& facts);

@@ -152,6 +152,14 @@ RunSettings read_run(TomlTable& table, const Methods& methods) {
   return run;
 }
 
+BudgetSettings read_budget(TomlTable table) {
+  BudgetSettings budget;
+  budget.tolerance = table.real("tolerance", 1e-5, 1.0, budget.tolerance);
+  budget.budget_seconds = table.real("budget_seconds", 0.0, 86400, budget.budget_seconds);
+  table.refuse_others();
+  return budget;
+}
+
 TimingSettings read_timing(TomlTable table, const Methods& methods) {
   TimingSettings timing;
   timing.methods = table.words("methods");
@@ -310,6 +318,10 @@ Experiment load_experiment(const std::filesystem::path& path,
   }
   std::vector<TomlTable> run_tables = root.tables("run");
   for (TomlTable& table : run_tables) experiment.runs.push_back(read_run(table, methods));
+  if (root.has("budget")) {
+    if (!experiment.reference) root.fail("budget", "an error budget needs a [reference]");
+    experiment.budget = read_budget(root.table("budget"));
+  }
   if (root.has("timing")) experiment.timing = read_timing(root.table("timing"), methods);
 
   // [parameters] may name what any method of the file declares.

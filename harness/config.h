@@ -50,6 +50,12 @@ struct TimingSettings {
   std::string published;  ///< results/published/NAME.csv; empty: none
 };
 
+/// The error budget of every method of the runs (error_budget.h).
+struct BudgetSettings {
+  double tolerance = 0.02;        ///< of the converged runs: methods/converged.h
+  double budget_seconds = 120.0;  ///< for each of them
+};
+
 enum class FigureKind { comparison, closeups, error_map };
 
 struct Rectangle {
@@ -86,6 +92,7 @@ struct Experiment {
   NamedValues parameters;              ///< for every method that declares them
   std::optional<ReferenceSettings> reference;
   std::vector<RunSettings> runs;
+  std::optional<BudgetSettings> budget;
   std::optional<TimingSettings> timing;
   std::vector<FigureSettings> figures;
 };

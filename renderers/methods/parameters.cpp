@@ -37,7 +37,8 @@ Parameter integer_parameter(std::string name, long value, long minimum, long max
           std::move(unit),
           {},
           std::move(help),
-          true};
+          true,
+          Factor::representation};
 }
 
 Parameter real_parameter(std::string name, double value, double minimum, double maximum,
@@ -50,7 +51,8 @@ Parameter real_parameter(std::string name, double value, double minimum, double 
           std::move(unit),
           {},
           std::move(help),
-          true};
+          true,
+          Factor::representation};
 }
 
 Parameter seed_parameter(std::string help) {
@@ -67,6 +69,11 @@ Parameter choice_parameter(std::string name, std::vector<std::string> choices, s
   parameter.choices = std::move(choices);
   parameter.help = std::move(help);
   return parameter;
+}
+
+std::vector<Parameter> of_factor(Factor factor, std::vector<Parameter> parameters) {
+  for (Parameter& parameter : parameters) parameter.factor = factor;
+  return parameters;
 }
 
 std::string accepted_values(const Parameter& parameter) {
@@ -164,8 +171,14 @@ const std::string& ParameterSet::choice(std::string_view name) const {
 }
 
 std::string ParameterSet::to_string() const {
+  return to_string({Factor::samples, Factor::visibility, Factor::representation, Factor::filter,
+                    Factor::lighting});
+}
+
+std::string ParameterSet::to_string(std::initializer_list<Factor> factors) const {
   std::vector<std::string> parts;
   for (const Parameter& parameter : *declared_) {
+    if (std::ranges::find(factors, parameter.factor) == factors.end()) continue;
     parts.push_back(fmt::format("{}={}", parameter.name, occlab::to_string(value(parameter.name))));
   }
   return fmt::format("{}", fmt::join(parts, " "));

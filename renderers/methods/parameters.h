@@ -1,5 +1,6 @@
 #pragma once
 
+#include <initializer_list>
 #include <limits>
 #include <map>
 #include <span>
@@ -11,6 +12,10 @@
 namespace occlab {
 
 enum class ParameterKind { integer, real, choice };
+
+/// The independent choices that a method is a product of. What a parameter belongs to says what
+/// must be done again when it changes.
+enum class Factor { samples, visibility, representation, filter, lighting };
 
 /// A parameter's value: an integer, a real, or one of the declared words.
 using ParameterValue = std::variant<long, double, std::string>;
@@ -28,6 +33,7 @@ struct Parameter {
   std::string help;                                           ///< one sentence, with its source
   /// Whether shaders are told. A seed is not: every new one would compile every pass again.
   bool in_shaders = true;
+  Factor factor = Factor::representation;
 };
 
 Parameter integer_parameter(std::string name, long value, long minimum, long maximum,
@@ -37,6 +43,9 @@ Parameter real_parameter(std::string name, double value, double minimum, double 
 /// `seed`: what a run is repeated with; used on the CPU only.
 Parameter seed_parameter(std::string help);
 Parameter choice_parameter(std::string name, std::vector<std::string> choices, std::string help);
+
+/// The same parameters, as parts of a factor.
+std::vector<Parameter> of_factor(Factor factor, std::vector<Parameter> parameters);
 
 /// "integer in [1, 256]", "one of binary, lambda": what a parameter accepts, for messages and help.
 std::string accepted_values(const Parameter& parameter);
@@ -64,6 +73,9 @@ class ParameterSet {
 
   /// "samples=32 steps=2 ...", in declared order: part of a cell's identity.
   std::string to_string() const;
+
+  /// The same of those of some factors only.
+  std::string to_string(std::initializer_list<Factor> factors) const;
 
   /// GLSL, of those that are `in_shaders`: integers and choices as `#define PARAMETER_samples 32`,
   /// the words of a choice as

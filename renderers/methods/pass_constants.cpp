@@ -1,55 +1,85 @@
 #include "renderers/methods/pass_constants.h"
 
 #include <algorithm>
+#include <array>
+#include <iterator>
 
 namespace occlab {
 
 std::vector<Parameter> weight_parameters() {
-  return {
-      choice_parameter("weight", {"binary", "lambda", "smoothstep"},
-                       "what a blocker lets through at its distance [S3HO sec. 2.1; SSDO sec. 4]"),
-      real_parameter("lambda_per_world", 1.0, 0.0, 1e6, "1/scene units",
-                     "lambda of 1 - 1/(1 + lambda d); unstated in the paper"),
-      real_parameter("fade_start", 0.75, 0.0, 1.0, "d_max",
-                     "where smoothstep begins to let light through; unstated in the paper"),
-  };
+  return of_factor(
+      Factor::visibility,
+      {
+          choice_parameter(
+              "weight", {"binary", "lambda", "smoothstep"},
+              "what a blocker lets through at its distance [S3HO sec. 2.1; SSDO sec. 4]"),
+          real_parameter("lambda_per_world", 1.0, 0.0, 1e6, "1/scene units",
+                         "lambda of 1 - 1/(1 + lambda d); unstated in the paper"),
+          real_parameter("fade_start", 0.75, 0.0, 1.0, "d_max",
+                         "where smoothstep begins to let light through; unstated in the paper"),
+      });
 }
 
-std::vector<Parameter> screen_space_parameters() {
+namespace {
+
+std::vector<Parameter> sample_parameters() {
+  return of_factor(Factor::samples, {
+                                        integer_parameter("samples", 32, 1, 256, "",
+                                                          "N, directions a pixel [S3HO sec. 3]"),
+                                        seed_parameter("draws the sample set"),
+                                    });
+}
+
+std::vector<Parameter> march_parameters() {
   std::vector<Parameter> parameters = {
-      integer_parameter("samples", 32, 1, 256, "", "N, directions a pixel [S3HO sec. 3]"),
-      integer_parameter("steps", 2, 1, 64, "", "S, march steps a direction [S3HO sec. 4]"),
-      seed_parameter("draws the sample set"),
       choice_parameter("visibility", {"depth", "traced"},
                        "what tells whether a direction is blocked: the march through the depth "
                        "buffer, or rays through the whole scene, on the CPU"),
+      integer_parameter("steps", 2, 1, 64, "", "S, march steps a direction [S3HO sec. 4]"),
       real_parameter("d_max_world", 1.0, 1e-6, 1e6, "scene units",
                      "farthest blocker that counts [S3HO eq. 2]; unstated in the paper"),
       real_parameter("bias_world", 1e-3, 0.0, 1e6, "scene units",
                      "a blocker must be this much nearer to the camera than the sample"),
       real_parameter("epsilon_world", 1e-3, 0.0, 1e6, "scene units",
                      "a blocker must rise this far above the tangent plane"),
+      choice_parameter("gbuffer_bits", {"32", "16"},
+                       "float size of positions and normals; the paper has 16 [S3HO sec. 3]"),
   };
-  // Only the CPU chooses between the sources: the shaders are the same.
-  std::ranges::find(parameters, "visibility", &Parameter::name)->in_shaders = false;
-  std::ranges::move(weight_parameters(), std::back_inserter(parameters));
-  std::ranges::move(
-      std::vector<Parameter>{
-          choice_parameter("gbuffer_bits", {"32", "16"},
-                           "float size of positions and normals; the paper has 16 [S3HO sec. 3]"),
-          choice_parameter("filter", {"bilateral", "none"},
-                           "8x8 geometry-aware filter of the representation [S3HO sec. 3]"),
-          real_parameter("filter_power", 32.0, 0.0, 1000.0, "",
-                         "power of the orientation weight; Klehm et al. have 5, which leaks 3% "
-                         "round a 90-degree corner"),
-          real_parameter("filter_scale", 1.0, 1e-6, 1e6, "d_max",
-                         "distance at which the distance weight is 1/4"),
-          real_parameter("hanning_width", 4.0, 0.0, 100.0, "bands",
-                         "w of the Hanning window on punctual lights' SH, 0 for none; unstated in "
-                         "the paper [S3HO sec. 2.2]"),
-      },
-      std::back_inserter(parameters));
-  return parameters;
+  parameters.front().in_shaders = false;  // only the CPU chooses between the sources
+  return of_factor(Factor::visibility, parameters);
+}
+
+std::vector<Parameter> filter_parameters() {
+  return of_factor(Factor::filter,
+                   {
+                       choice_parameter("filter", {"bilateral", "none"},
+                                        "8x8 geometry-aware filter of the representation [S3HO "
+                                        "sec. 3]"),
+                       real_parameter("filter_power", 32.0, 0.0, 1000.0, "",
+                                      "power of the orientation weight; Klehm et al. have 5, "
+                                      "which leaks 3% round a 90-degree corner"),
+                       real_parameter("filter_scale", 1.0, 1e-6, 1e6, "d_max",
+                                      "distance at which the distance weight is 1/4"),
+                   });
+}
+
+std::vector<Parameter> lighting_parameters() {
+  return of_factor(Factor::lighting,
+                   {real_parameter("hanning_width", 4.0, 0.0, 100.0, "bands",
+                                   "w of the Hanning window on punctual lights' SH, 0 for none; "
+                                   "unstated in the paper [S3HO sec. 2.2]")});
+}
+
+}  // namespace
+
+std::vector<Parameter> screen_space_parameters() {
+  std::vector<Parameter> all;
+  for (std::vector<Parameter>& part :
+       std::array{sample_parameters(), march_parameters(), weight_parameters(), filter_parameters(),
+                  lighting_parameters()}) {
+    std::ranges::move(part, std::back_inserter(all));
+  }
+  return all;
 }
 
 bool filters(const ParameterSet& parameters) { return parameters.choice("filter") != "none"; }

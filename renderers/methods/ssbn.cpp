@@ -61,6 +61,7 @@ MethodInfo ssbn() {
   parameters.push_back(choice_parameter(
       "cone_angle", {"linear", "exact"},
       "half-angle from |N|: the paper's linear form, or cos C = 2|N| - 1, exact for a cap"));
+  parameters.back().factor = Factor::lighting;
   return screen_space_method({.name = "ssbn",
                               .title = "SSBN",
                               .paper = "Klehm, Ritschel, Eisemann, Seidel 2011",
