@@ -105,7 +105,8 @@ Lanes paired(Lanes ahead, Lanes behind, Lanes centre) {
 // floats apart.
 template <Kernel kind, int stride>
 void convolve(TileRow& target, const FlipTaps& kernel, const float* at) {
-  for (int x = 0; x < tile_width; x += 2 * lanes, at += 2 * lanes) {
+  constexpr std::ptrdiff_t step = 2 * lanes;
+  for (std::ptrdiff_t x = 0; x < tile_width; x += step, at += step) {
     const Lanes low_centre = load(at);
     const Lanes high_centre = load(at + lanes);
     Lanes low{}, high{};
@@ -209,7 +210,7 @@ void lengths(TileRow& target, const TileRow& across, const TileRow& down) {
 void filter_down(SeenRow& seen, const Tile& tile, int row) {
   const FlipFilters& filters = flip_filters();
   const auto at = [&](const AcrossPlane& plane) {
-    return plane[std::size_t(row + flip_reach)].data();
+    return plane[std::size_t(row) + std::size_t(flip_reach)].data();
   };
   TileRow y, cx, cz, other;
   smooth_row<tile_width>(y, filters.achromatic, at(tile.achromatic));
