@@ -263,6 +263,51 @@ ZTest z_test(double estimate, double expected, double standard_error, double fam
   return result;
 }
 
+std::vector<HolmTest> holm(std::span<const double> p_values, double family_level) {
+  require_confidence(1.0 - family_level);
+  for (const double p : p_values) require_probability(p, "a p-value");
+  std::vector<std::size_t> order(p_values.size());
+  std::iota(order.begin(), order.end(), std::size_t(0));
+  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return p_values[i]; });
+  std::vector<HolmTest> tests(p_values.size());
+  bool rejecting = true;
+  double adjusted = 0.0;
+  double level = family_level;
+  for (std::size_t rank = 0; rank < order.size(); ++rank) {
+    const auto left = static_cast<double>(order.size() - rank);
+    const double p = p_values[order[rank]];
+    // From the first test that is not rejected on, all stay where it was.
+    if (rejecting) level = family_level / left;
+    adjusted = std::max(adjusted, std::min(1.0, p * left));
+    rejecting = rejecting && p <= level;
+    tests[order[rank]] = {adjusted, rejecting, level};
+  }
+  return tests;
+}
+
+double StudentEstimate::p_value(double hypothesis) const {
+  return 2.0 * student_cdf(-std::abs(value - hypothesis) / standard_error, degrees);
+}
+
+Interval StudentEstimate::interval(double confidence) const {
+  require_confidence(confidence);
+  const double half = -student_quantile(0.5 * (1.0 - confidence), degrees) * standard_error;
+  return {value - half, value + half, confidence};
+}
+
+StudentEstimate student_estimate(double value, double half_width, long n, double confidence) {
+  require_confidence(confidence);
+  if (!(half_width > 0.0) || n < 2) {
+    throw InputError(
+        fmt::format("statistics: a Student interval of half width {} from {} values; "
+                    "accepted: above 0, 2 or more",
+                    half_width, n));
+  }
+  const auto degrees = static_cast<double>(n - 1);
+  const double quantile = -student_quantile(0.5 * (1.0 - confidence), degrees);
+  return {value, half_width / quantile, degrees};
+}
+
 double jackknife_standard_error(std::span<const double> without_one) {
   const auto n = static_cast<double>(without_one.size());
   return (n - 1.0) * std::sqrt(variance(without_one) / n);

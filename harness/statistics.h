@@ -81,7 +81,8 @@ Interval bootstrap_median_ratio(std::span<const double> a, std::span<const doubl
 Interval median_ratio_interval(std::span<const double> a, std::span<const double> b,
                                double confidence = 0.95);
 
-/// Student's interval of mean(a_i - b_i); exact for normal differences; needs n >= 2.
+/// Student's interval of mean(a_i - b_i); exact for normal differences; needs n >= 2. Where they
+/// may be skewed see paired_bootstrap.h.
 Interval mean_difference_interval(std::span<const double> a, std::span<const double> b,
                                   double confidence = 0.95);
 
@@ -101,6 +102,35 @@ struct ZTest {
 /// A standard error of 0 passes only where estimate == expected.
 ZTest z_test(double estimate, double expected, double standard_error, double family_level,
              int tests = 1);
+
+/// One of several tests after Holm's step-down correction.
+struct HolmTest {
+  double adjusted_p = 1.0;  ///< at most the family's level exactly where `rejected`
+  bool rejected = false;
+  /// The level this test was held to: level / (m - rank + 1) for the rejected, level / (m - R) for
+  /// all others, R being the number of the rejected. An interval of confidence 1 - level excludes
+  /// the tested value exactly where it is rejected.
+  double level = 0.0;
+};
+
+/// Holm 1979, "A simple sequentially rejective multiple test procedure": with whatever dependence,
+/// the probability of any wrong rejection is at most `family_level`. In the order of `p_values`.
+/// Throws InputError for p-values outside [0, 1] and unless 0 < family_level < 1.
+std::vector<HolmTest> holm(std::span<const double> p_values, double family_level);
+
+/// A Student interval of n - 1 degrees of freedom taken apart: what its test gives, and what it is
+/// at another confidence.
+struct StudentEstimate {
+  double value = 0.0;
+  double standard_error = 0.0;  ///< above 0
+  double degrees = 1.0;
+
+  /// Two-sided, of the true value being `hypothesis`.
+  double p_value(double hypothesis) const;
+  Interval interval(double confidence) const;
+};
+/// `half_width` > 0 at `confidence`; n >= 2. InputError otherwise.
+StudentEstimate student_estimate(double value, double half_width, long n, double confidence = 0.95);
 
 /// Delete-one jackknife (Quenouille 1956, Tukey 1958): the standard error of a statistic from its n
 /// values with one observation left out; needs n >= 2.
