@@ -1,6 +1,7 @@
 #include "harness/experiment_tables.h"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 
 #include "harness/files.h"
@@ -31,14 +32,27 @@ std::vector<Table> make_tables(const std::vector<Measurement>& measurements,
     }
     add(timing_table(measurements, timing.baseline, published));
   }
-  for (const char* stage : {"unfiltered", "filtered"}) add(noise_table(whole_view, stage));
-  for (const char* stage : {"unfiltered", "filtered"}) add(accuracy_table(whole_view, stage));
-  for (const char* stage : {"unfiltered", "filtered"}) {
-    Table table = accuracy_table(closeups, stage);
-    table.name = std::string("closeups_") + stage;
-    table.title = std::string("Accuracy in the closeups, ") + stage;
+  const std::array<std::string, 2> stages = {"unfiltered", "filtered"};
+  std::vector<Table> comparison_tables;
+  for (const std::string& stage : stages) {
+    const Comparisons comparisons = compare_noise(whole_view, stage);
+    add(noise_table(whole_view, stage, comparisons));
+    comparison_tables.push_back(comparisons_table(comparisons, "noise_comparisons_" + stage,
+                                                  "Noise and bias compared, " + stage));
+  }
+  for (const std::string& stage : stages) {
+    const Comparisons comparisons = compare_accuracy(whole_view, stage);
+    add(accuracy_table(whole_view, stage, comparisons));
+    comparison_tables.push_back(
+        comparisons_table(comparisons, "comparisons_" + stage, "Accuracy compared, " + stage));
+  }
+  for (const std::string& stage : stages) {
+    Table table = accuracy_table(closeups, stage, compare_accuracy(closeups, stage));
+    table.name = "closeups_" + stage;
+    table.title = "Accuracy in the closeups, " + stage;
     add(std::move(table));
   }
+  for (Table& table : comparison_tables) add(std::move(table));
   add(orderings_table(measurements));
   return tables;
 }

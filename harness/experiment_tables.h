@@ -16,7 +16,9 @@ struct TimingTableSettings {
 TimingTableSettings timing_table_settings(const Experiment& experiment);
 
 /// The tables of a results folder, in reading order: times beside the published ones; noise and
-/// accuracy of both stages; accuracy in the closeups; orderings. Those without a row are left out.
+/// accuracy of both stages; accuracy in the closeups; the comparisons behind the marks of the
+/// winners; orderings. Those without a row are left out. The closeups' comparisons are not printed:
+/// their ratios are among the orderings.
 std::vector<Table> make_tables(const std::vector<Measurement>& measurements,
                                const TimingTableSettings& timing);
 

@@ -167,21 +167,15 @@ class Measurer {
     }
   }
 
-  void add_ratios(const Group& a, const Group& b) {
+  /// Ratios and differences of two groups of the same seeds.
+  void add_comparisons(const Group& a, const Group& b) {
     for (const auto& [stage, sums] : a.stages) {
       const auto other = b.stages.find(stage);
       if (other == b.stages.end()) continue;
-      if (sums.noise_bias && other->second.noise_bias) {
-        add_estimate(a, b, stage, {identity_.view, "noise"},
-                     noise_ratio(*sums.noise_bias, *other->second.noise_bias, confidence));
-      }
-      for (const auto& [name, values] : sums.values) {
-        const auto others = other->second.values.find(name);
-        if (std::ranges::find(compared_metrics, name.second) == compared_metrics.end() ||
-            others == other->second.values.end() || others->second.size() != values.size()) {
-          continue;
-        }
-        add_estimate(a, b, stage, name, metric_ratio(values, others->second));
+      add_noise_comparisons(a, b, stage, sums.noise_bias, other->second.noise_bias);
+      for (const auto& [name, unit] : sums.units) {
+        if (std::ranges::find(compared_metrics, name.second) == compared_metrics.end()) continue;
+        add_estimate(a, b, stage, name, "ratio", "", metric_ratio(sums, other->second, name));
       }
     }
   }
@@ -209,9 +203,22 @@ class Measurer {
   }
 
   /// Geometric mean of the ratios seed by seed, Student's interval of its logarithm.
-  static Estimate metric_ratio(const std::vector<double>& a, const std::vector<double>& b) {
+  static Estimate metric_ratio(const GroupStage& stage_of_a, const GroupStage& stage_of_b,
+                               const GroupStage::ViewAndMetric& name) {
     Estimate estimate;
     std::vector<double> logarithms;
+    for (const GroupStage* stage : {&stage_of_a, &stage_of_b}) {
+      const auto reason = stage->reasons.find(name);
+      if (reason != stage->reasons.end()) estimate.reason = reason->second;
+      if (!stage->units.contains(name)) estimate.reason = "not measured";
+    }
+    if (!estimate.reason.empty()) return estimate;
+    const std::vector<double>& a = stage_of_a.values.at(name);
+    const std::vector<double>& b = stage_of_b.values.at(name);
+    if (a.size() != b.size()) {
+      estimate.reason = different_seeds(a.size(), b.size());
+      return estimate;
+    }
     for (std::size_t i = 0; i < a.size(); ++i) {
       if (!(a[i] > 0.0) || !(b[i] > 0.0)) {
         estimate.reason = "a value is not positive";
@@ -226,6 +233,28 @@ class Measurer {
           Interval{*estimate.value * std::exp(-half), *estimate.value * std::exp(half), confidence};
     }
     return estimate;
+  }
+
+  static std::string different_seeds(std::size_t a, std::size_t b) {
+    return fmt::format("{} and {} seeds: only equal seeds make pairs", a, b);
+  }
+
+  void add_noise_comparisons(const Group& a, const Group& b, const std::string& stage,
+                             const std::optional<NoiseBias>& of_a,
+                             const std::optional<NoiseBias>& of_b) {
+    if (!of_a || !of_b) return;
+    Estimate ratio;
+    Estimate difference;
+    if (of_a->runs == of_b->runs) {
+      ratio = noise_ratio(*of_a, *of_b, confidence);
+      difference = bias_squared_difference(*of_a, *of_b, confidence);
+    } else {
+      ratio.reason = difference.reason =
+          different_seeds(std::size_t(of_a->runs), std::size_t(of_b->runs));
+    }
+    add_estimate(a, b, stage, {identity_.view, "noise"}, "ratio", "", ratio);
+    add_estimate(a, b, stage, {identity_.view, "bias_squared"}, "difference", "mean luminance^2",
+                 difference);
   }
 
   void add_noise(const Group& group, const std::string& stage, const NoiseBias& noise_bias) {
@@ -243,10 +272,11 @@ class Measurer {
   }
 
   void add_estimate(const Group& a, const Group& b, const std::string& stage,
-                    const GroupStage::ViewAndMetric& name, const Estimate& estimate) {
+                    const GroupStage::ViewAndMetric& name, const char* kind, const char* unit,
+                    const Estimate& estimate) {
     const std::string metric =
-        fmt::format("{}_ratio.{}/{}", name.second, a.planned->method, b.planned->method);
-    Measurement row = new_row(*a.planned, stage, {name.first, metric}, "");
+        fmt::format("{}_{}.{}/{}", name.second, kind, a.planned->method, b.planned->method);
+    Measurement row = new_row(*a.planned, stage, {name.first, metric}, unit);
     row.cells = a.cells;
     row.cells.insert(row.cells.end(), b.cells.begin(), b.cells.end());
     row.n = long(a.cells.size());
@@ -336,7 +366,7 @@ std::vector<Measurement> measure_cells(const std::vector<MeasuredCell>& cells,
     for (std::size_t b = 0; b < a; ++b) {
       if (groups[a].planned->method != groups[b].planned->method &&
           comparable(groups[a].planned->parameters, groups[b].planned->parameters)) {
-        measurer.add_ratios(groups[a], groups[b]);
+        measurer.add_comparisons(groups[a], groups[b]);
       }
     }
   }

@@ -33,9 +33,9 @@ bool is_region(const Measurement& measurement);
 std::vector<Region> regions(const Experiment& experiment);
 
 /// All metrics of all cells against the reference cell, before and after the filter: seed by seed;
-/// their mean over the seeds; noise and bias over the seeds; and the ratios of two methods with the
-/// same parameters, paired by seed. `cells` is the whole plan, the reference first. `progress` is
-/// called before each cell. `identity` fills what all rows share.
+/// their mean over the seeds; noise and bias over the seeds; and ratios and differences of two
+/// methods with the same parameters, paired by seed. `cells` is the whole plan, the reference
+/// first. `progress` is called before each cell. `identity` fills what all rows share.
 std::vector<Measurement> measure_cells(const std::vector<MeasuredCell>& cells,
                                        const std::vector<Region>& regions,
                                        const Measurement& identity, const ReadLayers& read,

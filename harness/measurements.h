@@ -14,8 +14,9 @@ namespace occlab {
 /// Names that the tables know: metric `noise` and `bias`; `time_ms.PASS` (value: the median, lower
 /// and upper: the quartiles) and `time_ratio.PASS` (median of the pairwise ratios to the baseline,
 /// interval between order statistics); `METRIC_ratio.A/B` (METRIC of method A over that of method
-/// B, as an ordering). Every other metric is an accuracy. Elsewhere lower and upper bound a 95%
-/// interval.
+/// B; interval: Student's of n - 1 degrees of freedom on a logarithmic scale) and
+/// `bias_squared_difference.A/B` (A's less B's; Student's interval). Every other metric is an
+/// accuracy. Elsewhere lower and upper bound a 95% interval.
 struct Measurement {
   std::string experiment;
   std::string scene;

@@ -106,15 +106,17 @@ std::size_t width(std::string_view text) {
 }
 
 std::string markdown(const Table& table) {
-  const Spelling spelling{escape_markdown,
-                          [](const TableNumber& number) {
-                            const RoundedNumber rounded = round_number(number);
-                            return rounded.lower.empty()
-                                       ? rounded.value
-                                       : fmt::format("{} [{}, {}]", rounded.value, rounded.lower,
-                                                     rounded.upper);
-                          },
-                          [](std::size_t note) { return fmt::format("– ({})", note); }};
+  const Spelling spelling{
+      escape_markdown,
+      [](const TableNumber& number) {
+        const RoundedNumber rounded = round_number(number);
+        const std::string value =
+            number.winner ? fmt::format("**{}**", rounded.value) : rounded.value;
+        return rounded.lower.empty()
+                   ? value
+                   : fmt::format("{} [{}, {}]", value, rounded.lower, rounded.upper);
+      },
+      [](std::size_t note) { return fmt::format("– ({})", note); }};
   std::vector<std::string> footnotes;
   std::vector<std::vector<std::string>> lines = spell_rows(table, spelling, footnotes);
   lines.insert(lines.begin(), std::vector<std::string>{});
@@ -160,10 +162,11 @@ std::string latex(const Table& table) {
       escape_latex,
       [&](const TableNumber& number) {
         const RoundedNumber rounded = round_number(number);
-        return rounded.lower.empty()
-                   ? fmt::format("${}$", in_math(rounded.value))
-                   : fmt::format("${}$ {{\\footnotesize $[{}, {}]$}}", in_math(rounded.value),
-                                 in_math(rounded.lower), in_math(rounded.upper));
+        std::string value = fmt::format("${}$", in_math(rounded.value));
+        if (number.winner) value = fmt::format("\\textbf{{\\boldmath{}}}", value);
+        return rounded.lower.empty() ? value
+                                     : fmt::format("{} {{\\footnotesize $[{}, {}]$}}", value,
+                                                   in_math(rounded.lower), in_math(rounded.upper));
       },
       [](std::size_t note) { return fmt::format("--\\textsuperscript{{{}}}", note); }};
   std::vector<std::string> footnotes;
@@ -195,6 +198,7 @@ std::string csv(const Table& table) {
   // A column of numbers has as many fields as its richest cell.
   struct Fields {
     bool interval = false;
+    bool winner = false;
     bool missing = false;
   };
   std::vector<Fields> fields(table.columns.size());
@@ -203,6 +207,7 @@ std::string csv(const Table& table) {
     for (std::size_t c = 0; c < row.size(); ++c) {
       const auto* number = std::get_if<TableNumber>(&row[c]);
       fields[c].interval |= number && number->lower;
+      fields[c].winner |= number && number->winner;
       fields[c].missing |= std::holds_alternative<TableMissing>(row[c]);
     }
   }
@@ -211,6 +216,7 @@ std::string csv(const Table& table) {
     const std::string title = column_title(table.columns[c]);
     header.push_back(title);
     if (fields[c].interval) header.insert(header.end(), {title + " lower", title + " upper"});
+    if (fields[c].winner) header.push_back(title + " winner");
     if (fields[c].missing) header.push_back(title + " missing");
   }
   std::string text = csv_line(header);
@@ -225,6 +231,7 @@ std::string csv(const Table& table) {
         line.push_back(number && number->lower ? number_text(*number->lower) : "");
         line.push_back(number && number->upper ? number_text(*number->upper) : "");
       }
+      if (fields[c].winner) line.push_back(number && number->winner ? "yes" : "");
       if (fields[c].missing) line.push_back(missing ? missing->reason : "");
     }
     text += csv_line(line);
@@ -256,6 +263,7 @@ std::string json(const Table& table) {
         entry["value"] = json_number(number->value);
         if (number->lower) entry["lower"] = json_number(*number->lower);
         if (number->upper) entry["upper"] = json_number(*number->upper);
+        if (number->winner) entry["winner"] = true;
         cells.push_back(std::move(entry));
       } else {
         cells.push_back(Json{{"missing", std::get<TableMissing>(cell).reason}});

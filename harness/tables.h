@@ -5,6 +5,7 @@
 #include <variant>
 #include <vector>
 
+#include "harness/comparisons.h"
 #include "harness/measurements.h"
 #include "harness/published.h"
 
@@ -22,6 +23,7 @@ struct TableNumber {
   double value = 0.0;
   std::optional<double> lower;  ///< lower and upper come together
   std::optional<double> upper;
+  bool winner = false;  ///< resolved as better than all it is to be compared with
 };
 
 /// A number that does not exist, and why.
@@ -42,13 +44,22 @@ struct Table {
 
 // Tables are pure functions of measurements. A row is a method and its parameters (and scene, view,
 // probe, resolution); what is the same everywhere becomes a note instead of a column. Only rows of
-// seed "all" count. No winner is marked.
+// seed "all" count. A number is marked as winner where its row is resolved as better than every row
+// of another method under the same conditions, by `comparisons`, and nowhere without them.
 
 /// Accuracy metrics at one stage ("unfiltered", "filtered"), mean over the seeds with interval.
-Table accuracy_table(const std::vector<Measurement>& measurements, const std::string& stage);
+/// `comparisons`: compare_accuracy() of the same measurements and stage.
+Table accuracy_table(const std::vector<Measurement>& measurements, const std::string& stage,
+                     const Comparisons& comparisons = {});
 
-/// Noise and bias at one stage, with intervals.
-Table noise_table(const std::vector<Measurement>& measurements, const std::string& stage);
+/// Noise and bias at one stage, with intervals. `comparisons`: compare_noise().
+Table noise_table(const std::vector<Measurement>& measurements, const std::string& stage,
+                  const Comparisons& comparisons = {});
+
+/// Every comparison of a family with its interval, adjusted p-value and verdict: "a < b", "a > b",
+/// "equal", "unresolved" or "could not tell: REASON"; and the better method, where the verdict and
+/// the metric say which it is. Has no row where there is nothing to compare.
+Table comparisons_table(const Comparisons& comparisons, std::string name, std::string title);
 
 /// Median times of each pass with quartiles and the ratios to the baseline, beside the published
 /// times of the same method, samples and steps and their ratios to `baseline`. Throws InputError
@@ -57,7 +68,8 @@ Table timing_table(const std::vector<Measurement>& measurements, const std::stri
                    const std::optional<PublishedTimes>& published);
 
 /// Every METRIC_ratio.A/B as the statement "METRIC A > METRIC B", which holds where the whole
-/// interval is above 1, does not hold where it is below, and is unresolved otherwise.
+/// interval, corrected after Holm over all statements, is above 1, does not hold where it is below,
+/// and is unresolved otherwise.
 Table orderings_table(const std::vector<Measurement>& measurements);
 
 }  // namespace occlab
