@@ -105,7 +105,7 @@ Lanes paired(Lanes ahead, Lanes behind, Lanes centre) {
 // floats apart.
 template <Kernel kind, int stride>
 void convolve(TileRow& target, const FlipTaps& kernel, const float* at) {
-  constexpr std::ptrdiff_t step = 2 * lanes;
+  constexpr std::ptrdiff_t step = 2 * std::ptrdiff_t(lanes);
   for (std::ptrdiff_t x = 0; x < tile_width; x += step, at += step) {
     const Lanes low_centre = load(at);
     const Lanes high_centre = load(at + lanes);
