@@ -19,7 +19,7 @@ glm::vec3 irradiance(const Values& c, const ShadedPoint& point, const CpuLightin
 
 constexpr Representation visibility_sh = {
     .channels = 16,
-    .storage_error = 0x1p-11f,
+    .storage_error = 0x1p-10f,
     .accumulate =
         [](Values& sums, const SampledDirection& s) {
           Sh4 sum = sh_of(sums);
