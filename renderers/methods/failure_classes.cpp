@@ -33,6 +33,7 @@ struct ClassSums {
 struct Disagreement {
   ShadedPoint point;
   glm::vec3 direction;
+  float march_offset = 0.0f;
   DepthMarch::Result march;
   float hit_distance = 0.0f;  ///< of the ray; infinite where it meets nothing at all
   float traced_visibility = 1.0f;
@@ -66,9 +67,16 @@ class Classifier {
     if (std::isfinite(d.hit_distance) && d.hit_distance > constants_.d_max_world) {
       return FailureClass::beyond_radius;
     }
-    const bool open_beside = any_neighbour(
-        d.march.pixel, [&](glm::ivec2 other) { return !nearer(other, d.march.sample); });
-    return open_beside ? FailureClass::edge : FailureClass::behind_surface;
+    // A march enters what it takes for a blocker at its silhouette: only where none of its points
+    // is inside is the silhouette to blame.
+    for (DepthMarch::Result found = d.march; found.blocked;
+         found = march_.march(d.point, d.direction, d.march_offset, constants_.d_max_world,
+                              found.step + 1)) {
+      const bool open_beside = any_neighbour(
+          found.pixel, [&](glm::ivec2 other) { return !nearer(other, found.sample); });
+      if (!open_beside) return FailureClass::behind_surface;
+    }
+    return FailureClass::edge;
   }
 
   bool seen(glm::ivec2 pixel) const { return surface_.mask.at(pixel.x, pixel.y) > 0.5f; }
@@ -140,12 +148,14 @@ class GroupFailures {
     for (std::size_t i = 0; i < direction.size(); ++i) {
       if (!group_.active.v[i]) continue;
       const ShadedPoint point{group_.position[i], group_.normal[i]};
-      const Disagreement d{.point = point,
-                           .direction = direction[i],
-                           .march = march_.march(point, direction[i], fract(sample.w + shift),
-                                                 in_.constants.d_max_world),
-                           .hit_distance = hit.v[i],
-                           .traced_visibility = traced_visibility_at(hit.v[i])};
+      const float xi = fract(sample.w + shift);
+      const Disagreement d{
+          .point = point,
+          .direction = direction[i],
+          .march_offset = xi,
+          .march = march_.march(point, direction[i], xi, in_.constants.d_max_world),
+          .hit_distance = hit.v[i],
+          .traced_visibility = traced_visibility_at(hit.v[i])};
       const float difference = d.march.visibility - d.traced_visibility;
       if (difference == 0.0f) continue;
       const auto c = std::size_t(classify_(d));

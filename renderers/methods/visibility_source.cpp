@@ -38,8 +38,8 @@ std::optional<glm::ivec2> DepthMarch::pixel_of(glm::vec3 q) const {
 }
 
 DepthMarch::Result DepthMarch::march(const ShadedPoint& point, glm::vec3 direction, float xi,
-                                     float reach) const {
-  for (int k = 0; k < constants_.steps; ++k) {
+                                     float reach, int first_step) const {
+  for (int k = first_step; k < constants_.steps; ++k) {
     const glm::vec3 q = march_point(point.position, direction, reach, k, xi, constants_.steps);
     const std::optional<glm::ivec2> pixel = pixel_of(q);
     if (!pixel) continue;
@@ -51,7 +51,7 @@ DepthMarch::Result DepthMarch::march(const ShadedPoint& point, glm::vec3 directi
       const float visibility =
           blocked_visibility(blocker.weight, length(glm::vec3(surface) - point.position),
                              blocker.d_max_world, blocker.lambda_per_world, blocker.fade_start);
-      return {visibility, true, q, *pixel};
+      return {visibility, true, k, q, *pixel};
     }
   }
   return {};

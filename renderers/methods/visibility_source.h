@@ -56,10 +56,13 @@ class DepthMarch {
   struct Result {
     float visibility = 1.0f;
     bool blocked = false;
-    glm::vec3 sample{};  ///< view space: the march's point that was found blocked
+    int step = 0;        ///< of the march's point that was found blocked
+    glm::vec3 sample{};  ///< view space: that point
     glm::ivec2 pixel{};  ///< whose surface blocks it
   };
-  Result march(const ShadedPoint& point, glm::vec3 direction, float xi, float reach) const;
+  /// The first blocker of steps `first_step` and later.
+  Result march(const ShadedPoint& point, glm::vec3 direction, float xi, float reach,
+               int first_step = 0) const;
 
   /// The pixel that a view-space point projects into, if it is in front of the camera and on the
   /// screen.
