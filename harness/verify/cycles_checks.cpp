@@ -10,9 +10,9 @@
 
 #include "harness/blender.h"
 #include "harness/files.h"
-#include "harness/statistics.h"
 #include "harness/verify/cycles_comparison.h"
 #include "harness/verify/cycles_render.h"
+#include "harness/verify/cycles_verdicts.h"
 #include "renderers/scene/error.h"
 #include "renderers/scene/image_io.h"
 #include "renderers/trace/reference.h"
@@ -20,9 +20,6 @@
 namespace occlab {
 namespace fs = std::filesystem;
 namespace {
-
-constexpr double accepted_block_difference = 0.005;
-constexpr double share_false_alarms = 1e-6;
 
 void require_settings(const CyclesSettings& settings) {
   const auto require = [](bool good, std::string_view key, auto found, std::string_view accepted) {
@@ -74,6 +71,7 @@ double seconds_of(const auto& run) {
 struct OurRendering {
   SeededRendering light;
   SeededRendering ao;
+  long ao_rays_per_seed = 0;  ///< a pixel
 };
 
 OurRendering render_ours(const CyclesSettings& settings, const Frame& frame) {
@@ -97,80 +95,13 @@ OurRendering render_ours(const CyclesSettings& settings, const Frame& frame) {
         [&] { ours.light.images.push_back(trace(frame.lighting.environment(), how).radiance); });
     how.estimator = Estimator::cosine;
     how.d_max_world = float(settings.ao_distance_world);
-    ours.ao.seconds +=
-        seconds_of([&] { ours.ao.images.push_back(trace(dark, how).ambient_occlusion); });
+    ours.ao.seconds += seconds_of([&] {
+      Reference traced = trace(dark, how);
+      ours.ao_rays_per_seed = traced.rays_per_pixel;
+      ours.ao.images.push_back(std::move(traced.ambient_occlusion));
+    });
   }
   return ours;
-}
-
-std::string channel_name(const RendererComparison& comparison, int channel) {
-  if (comparison.z.channels() == 1) return "";
-  return fmt::format(" of {}", std::vector{"red", "green", "blue"}[std::size_t(channel)]);
-}
-
-std::string percent(const BlockDifference& block) {
-  return fmt::format("{:+.3f}% +- {:.3f}%", 100.0 * block.difference, 100.0 * block.error);
-}
-
-Check block_check(const RendererComparison& comparison, const std::string& name) {
-  if (comparison.blocks.empty()) {
-    throw InputError(
-        fmt::format("verify cycles: no 64x64 block has {} pixels away from silhouettes; render "
-                    "more pixels",
-                    min_block_pixels));
-  }
-  const BlockDifference& worst =
-      *std::ranges::max_element(comparison.blocks, {}, &BlockDifference::limit);
-  const auto count = comparison.blocks.size() / std::size_t(comparison.z.channels());
-  Check check = checked({.subject = "cycles",
-                         .name = name,
-                         .quantity = "worst 64x64 block: |ours / Cycles - 1| + its error",
-                         .measured = worst.limit(),
-                         .expected = 0.0,
-                         .bound = accepted_block_difference,
-                         .rule = "0.5%, at the far end of the block's 95% interval",
-                         .detail = {}});
-  const bool unresolved = !check.passes && std::abs(worst.difference) <= check.bound;
-  check.detail =
-      fmt::format("{}{}{}, block at ({}, {}), {} pixels; {} blocks, {} left out with fewer than {}",
-                  unresolved ? "could not resolve 0.5%, give more samples: " : "", percent(worst),
-                  channel_name(comparison, worst.channel), worst.x, worst.y, worst.pixels, count,
-                  comparison.blocks_left_out, min_block_pixels);
-  return check;
-}
-
-Check mean_check(const RendererComparison& comparison, const std::string& name) {
-  return checked({.subject = "cycles",
-                  .name = name,
-                  .quantity = "whole picture: |ours / Cycles - 1| + its error",
-                  .measured = comparison.whole.limit(),
-                  .expected = 0.0,
-                  .bound = accepted_block_difference,
-                  .rule = "0.5%, at the far end of the 95% interval",
-                  .detail = fmt::format("{}{}", percent(comparison.whole),
-                                        channel_name(comparison, comparison.whole.channel))});
-}
-
-Check share_check(const RendererComparison& comparison, const std::string& name) {
-  const double expected = 2.0 * normal_cdf(-3.0);
-  const double error = std::sqrt(expected * (1.0 - expected) / comparison.independent_pixels);
-  Check check{.subject = "cycles",
-              .name = name,
-              .quantity = "share of pixels beyond 3 sigma",
-              .measured = comparison.share_beyond_3_sigma,
-              .expected = expected,
-              .bound = -normal_quantile(share_false_alarms) * error,
-              .rule = "no more than noise gives; false alarms 1e-6",
-              .detail = {}};
-  check.passes = check.measured <= check.expected + check.bound;  // fewer are no fault
-  const auto worst =
-      std::ranges::max_element(comparison.z.values(), {}, [](float z) { return std::abs(z); }) -
-      comparison.z.values().begin();
-  const auto pixel = worst / comparison.z.channels();
-  check.detail = fmt::format("{} pixels; largest z {:+.1f} at ({}, {})", comparison.pixels,
-                             comparison.z.values()[std::size_t(worst)],
-                             pixel % comparison.z.width(), pixel / comparison.z.width());
-  return check;
 }
 
 /// The variance of a mean over seeds falls exactly as their number grows, so that the time to an
@@ -234,19 +165,22 @@ Checks verify_cycles(const CyclesSettings& settings) {
   const Image mask =
       away_from_silhouettes(surface.position_view, surface.geometric_normal_view, surface.mask);
   const RendererComparison light = compare_renderers(ours.light.images, cycles.light.images, mask);
-  const RendererComparison ao = compare_renderers(ours.ao.images, cycles.ao.images, mask);
+  const RendererComparison ao = compare_renderers(
+      ours.ao.images, cycles.ao.images, mask,
+      {.a = ours.ao_rays_per_seed, .b = for_each_seed(settings.samples, settings.seeds)});
 
   const std::string place = fmt::format("{} {}", bench.scene().name, frame.view.camera.name);
   const std::string lit = fmt::format("{}, {}", place, describe(bench.probe()));
   const std::string occluded =
       fmt::format("{}, k_A within {:g}", place, settings.ao_distance_world);
-  Checks checks = {block_check(light, lit),
-                   share_check(light, lit),
-                   mean_check(light, lit),
-                   block_check(ao, occluded),
-                   share_check(ao, occluded),
-                   mean_check(ao, occluded),
-                   time_check(light, ours.light, cycles.light, lit)};
+  Checks checks = judge_comparison(light, lit);
+  if (!bench.scene().textures.empty()) {
+    for (Check& check : checks) {
+      check.detail += "; textures differ: our look-ups are filtered, Cycles' are not";
+    }
+  }
+  for (Check& check : judge_comparison(ao, occluded)) checks.push_back(std::move(check));
+  checks.push_back(time_check(light, ours.light, cycles.light, lit));
 
   const bool failed = !std::ranges::all_of(checks, &Check::passes);
   if (failed || !settings.output.empty()) {

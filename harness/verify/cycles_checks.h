@@ -10,13 +10,18 @@ namespace occlab {
 
 /// What RTDO and Blender's Cycles render, each for itself, and how long they may take.
 struct CyclesSettings {
-  /// Lit by its probe alone: the scene's punctual lights are left out on both sides.
-  ViewSettings view = {
-      .scene = "gallery", .view = "", .width = 160, .height = 90, .probe = std::nullopt};
+  /// Lit by its probe alone: the scene's punctual lights are left out on both sides. The default
+  /// is the comparison of the S3HO paper (configs/papers/s3ho.toml) in small, about a minute on two
+  /// cores.
+  ViewSettings view = {.scene = "gallery",
+                       .view = "",
+                       .width = 160,
+                       .height = 90,
+                       .probe = ProbeSettings{.source = "cathedral", .prefilter_degrees = 8.0f}};
   /// Paths (Cycles) a pixel, all seeds together; rounded up to a whole number for each seed.
   long samples = 1024;
   /// Rays (RTDO) a pixel, all seeds together; rounded up to a whole number for each seed.
-  long rays_per_pixel = 8192;
+  long rays_per_pixel = 16384;
   /// Independent renderings a renderer; their spread is its noise. 4 to 64.
   int seeds = 8;
   /// Farthest blocker of the ambient occlusion, in scene units; > 0.

@@ -139,6 +139,25 @@ Estimate pixel_estimate(Seeds seeds, int x, int y, int channel, std::vector<doub
   return estimate(values);
 }
 
+/// Of a pixel that may be outside the mask and not finite.
+float plain_mean(Seeds seeds, int x, int y, int channel) {
+  double sum = 0.0;
+  for (const Image& image : seeds) sum += double(image.at(x, y, channel));
+  return float(sum / double(seeds.size()));
+}
+
+/// ZeroOneSamples says why. Does nothing where the samples are not 0 or 1.
+void bound_variances(Estimate& a, Estimate& b, ZeroOneSamples samples) {
+  if (samples.a == 0 || samples.b == 0) return;
+  const double all_a = double(samples.a) * (a.degrees + 1.0);
+  const double all_b = double(samples.b) * (b.degrees + 1.0);
+  const double share = (a.mean * all_a + b.mean * all_b) / (all_a + all_b);
+  const double rarer = std::min(share, 1.0 - share);
+  const double of_one = share * (1.0 - share);
+  if (rarer * double(samples.a) < 1.0) a.variance = std::max(a.variance, of_one / all_a);
+  if (rarer * double(samples.b) < 1.0) b.variance = std::max(b.variance, of_one / all_b);
+}
+
 /// The standard normal value whose tail is that of the difference under Student's t.
 double z_value(const Estimate& a, const Estimate& b) {
   const double difference = a.mean - b.mean;
@@ -152,7 +171,8 @@ double z_value(const Estimate& a, const Estimate& b) {
   return std::copysign(z, difference);
 }
 
-void compare_pixels(Seeds a, Seeds b, const Image& mask, RendererComparison& result) {
+void compare_pixels(Seeds a, Seeds b, const Image& mask, ZeroOneSamples samples,
+                    RendererComparison& result) {
   const int channels = a[0].channels();
   for (Image* image : {&result.mean_a, &result.mean_b, &result.relative_difference, &result.z}) {
     *image = Image(mask.width(), mask.height(), channels);
@@ -163,11 +183,12 @@ void compare_pixels(Seeds a, Seeds b, const Image& mask, RendererComparison& res
   for (int y = 0; y < mask.height(); ++y) {
     for (int x = 0; x < mask.width(); ++x) {
       for (int c = 0; c < channels; ++c) {
-        const Estimate ours = pixel_estimate(a, x, y, c, scratch);
-        const Estimate theirs = pixel_estimate(b, x, y, c, scratch);
-        result.mean_a.at(x, y, c) = float(ours.mean);
-        result.mean_b.at(x, y, c) = float(theirs.mean);
+        result.mean_a.at(x, y, c) = plain_mean(a, x, y, c);
+        result.mean_b.at(x, y, c) = plain_mean(b, x, y, c);
         if (mask.at(x, y) < 0.5f) continue;
+        Estimate ours = pixel_estimate(a, x, y, c, scratch);
+        Estimate theirs = pixel_estimate(b, x, y, c, scratch);
+        bound_variances(ours, theirs, samples);
         const double z = z_value(ours, theirs);
         result.z.at(x, y, c) = float(z);
         result.relative_difference.at(x, y, c) =
@@ -203,7 +224,7 @@ glm::vec3 vector_at(const Image& image, int x, int y) {
 
 double BlockDifference::limit() const { return std::abs(difference) + error; }
 
-RendererComparison compare_renderers(Seeds a, Seeds b, const Image& mask) {
+RendererComparison compare_renderers(Seeds a, Seeds b, const Image& mask, ZeroOneSamples samples) {
   require_comparable(a, "ours", mask);
   require_comparable(b, "Cycles'", mask);
   if (a[0].channels() != b[0].channels()) {
@@ -216,7 +237,7 @@ RendererComparison compare_renderers(Seeds a, Seeds b, const Image& mask) {
     throw InputError("comparison: no pixel is away from silhouettes; render more pixels");
   }
   compare_blocks(a, b, mask, result);
-  compare_pixels(a, b, mask, result);
+  compare_pixels(a, b, mask, samples, result);
   return result;
 }
 

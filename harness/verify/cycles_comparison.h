@@ -52,9 +52,19 @@ struct RendererComparison {
 inline constexpr int block_size = 64;
 inline constexpr std::size_t min_block_pixels = 64;
 
+/// How many samples a pixel of one seed's image is the mean of where each sample is 0 or 1, as that
+/// of ambient occlusion is; 0 where they are not. Where a seed expects less than one of the rarer
+/// kind, the seeds' spread does not tell the variance (all of them may have seen none): there it is
+/// at least the binomial one, with the share of all samples of both renderers.
+struct ZeroOneSamples {
+  long a = 0;
+  long b = 0;
+};
+
 /// Compares where `mask` (1 channel) is 1. `a` is RTDO's. Throws InputError where the sizes differ,
 /// there are too few seeds, a value under the mask is not finite, or nothing is under the mask.
-RendererComparison compare_renderers(Seeds a, Seeds b, const Image& mask);
+RendererComparison compare_renderers(Seeds a, Seeds b, const Image& mask,
+                                     ZeroOneSamples samples = {});
 
 /// The view-space surface of a G-buffer: 1 where the 3x3 pixels around show one smooth piece of
 /// surface, so that where exactly in the pixel a renderer looks does not matter.
