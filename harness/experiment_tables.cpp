@@ -4,6 +4,7 @@
 #include <array>
 #include <iterator>
 
+#include "harness/budget_tables.h"
 #include "harness/files.h"
 #include "harness/measure.h"
 #include "harness/table_formats.h"
@@ -52,6 +53,8 @@ std::vector<Table> make_tables(const std::vector<Measurement>& measurements,
     table.title = "Accuracy in the closeups, " + stage;
     add(std::move(table));
   }
+  for (const std::string& stage : stages) add(budget_table(measurements, stage));
+  add(failure_table(measurements));
   for (Table& table : comparison_tables) add(std::move(table));
   add(orderings_table(measurements));
   return tables;

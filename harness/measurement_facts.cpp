@@ -59,8 +59,12 @@ std::optional<ComparedMetric> compared_metric(const std::string& metric) {
   return std::nullopt;
 }
 
+bool is_budget(const Measurement& measurement) {
+  return measurement.metric.starts_with("budget_") || measurement.metric.starts_with("failure_");
+}
+
 bool is_accuracy(const Measurement& measurement) {
-  return !is_time(measurement) && !is_over_seeds(measurement) &&
+  return !is_time(measurement) && !is_over_seeds(measurement) && !is_budget(measurement) &&
          !compared_metric(measurement.metric);
 }
 

@@ -38,7 +38,11 @@ struct ComparedMetric {
 /// Nothing for any other metric.
 std::optional<ComparedMetric> compared_metric(const std::string& metric);
 
-/// A metric of one image against the reference: neither a time, nor over seeds, nor comparing.
+/// `budget_...` and `failure_...`: parts of the error (error_budget.h).
+bool is_budget(const Measurement& measurement);
+
+/// A metric of one image against the reference: neither a time, nor over seeds, nor comparing, nor
+/// a part of the error.
 bool is_accuracy(const Measurement& measurement);
 
 /// Two rows that stand for two methods under the same conditions: all is equal, parameters that

@@ -15,8 +15,9 @@ namespace occlab {
 /// and upper: the quartiles) and `time_ratio.PASS` (median of the pairwise ratios to the baseline,
 /// interval between order statistics); `METRIC_ratio.A/B` (METRIC of method A over that of method
 /// B; interval: Student's of n - 1 degrees of freedom on a logarithmic scale) and
-/// `bias_squared_difference.A/B` (A's less B's; Student's interval). Every other metric is an
-/// accuracy. Elsewhere lower and upper bound a 95% interval.
+/// `bias_squared_difference.A/B` (A's less B's; Student's interval). `budget_...` and
+/// `failure_...` are parts of the error (error_budget.h). Every other metric is an accuracy.
+/// Elsewhere lower and upper bound a 95% interval.
 struct Measurement {
   std::string experiment;
   std::string scene;

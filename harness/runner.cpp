@@ -8,6 +8,7 @@
 
 #include "harness/cells.h"
 #include "harness/environment_report.h"
+#include "harness/error_budget.h"
 #include "harness/experiment_figures.h"
 #include "harness/experiment_tables.h"
 #include "harness/measure.h"
@@ -26,6 +27,11 @@ using nlohmann::json;
 
 struct PlannedKey {
   PlannedCell planned;
+  CellKey key;
+};
+
+struct PlannedBudget {
+  BudgetCell cell;
   CellKey key;
 };
 
@@ -68,6 +74,12 @@ class Run {
       CellKey key = cell_key(bench_, cell);
       cells_.push_back({std::move(cell), std::move(key)});
     }
+    if (experiment.budget) {
+      for (BudgetCell& cell : plan_budget(plan(experiment, methods()))) {
+        CellKey key = budget_key(bench_, cell, *experiment.budget);
+        budgets_.push_back({std::move(cell), std::move(key)});
+      }
+    }
     warnings_ = bench_.scene().warnings;
     if (const auto clamped = bench_.frame().lighting.environment().clamped_negative_texels) {
       warn(fmt::format("{}: {} slightly negative texels were set to 0", bench_.probe().source,
@@ -91,7 +103,7 @@ class Run {
 
  private:
   void do_what_is_missing() {
-    const std::size_t rendered = render_missing();
+    const std::size_t rendered = render_missing() + converge_missing();
     const std::string timing_key = make_timing_key();
     const json previous = read_previous();
     const bool timed = previous.value("timing_key", "") == timing_key;
@@ -180,6 +192,38 @@ class Run {
     store_.write(cell.key, layers, cell_metadata(bench_, cell.planned, facts), json(facts));
   }
 
+  std::size_t converge_missing() {
+    std::size_t missing = 0;
+    for (const PlannedBudget& budget : budgets_) {
+      if (store_.has(budget.key)) continue;
+      throw_if_interrupted();
+      fmt::print(stderr, "error budget: {} of {}, the longest part of it {:g} s\n", ++missing,
+                 budgets_.size(), experiment_.budget->budget_seconds);
+      converge(budget);
+    }
+    return missing;
+  }
+
+  void converge(const PlannedBudget& budget) {
+    Metadata facts;
+    const Layers layers = render_budget(bench_, budget.cell, *experiment_.budget, facts);
+    Metadata metadata = workbench_metadata(bench_);
+    for (const auto& [name, value] : facts) metadata["occlab:" + name] = value;
+    store_.write(budget.key, layers, metadata, json(facts));
+  }
+
+  StoredBudget read_budget(const PlannedBudget& budget) {
+    ReadCell read = store_.read(budget.key);
+    if (!read.cell) {
+      warn_now(read.warning + "; made again");
+      converge(budget);
+      read = store_.read(budget.key);
+      if (!read.cell) throw DeviceError(read.warning + ", twice in a row");
+    }
+    return {budget.cell, budget.key.id(), std::move(read.cell->layers),
+            read.cell->extra.get<Metadata>()};
+  }
+
   /// Reads a cell; one that turns out damaged is rendered again, and said so.
   ReadLayers reader() {
     return [this](const MeasuredCell& cell) {
@@ -210,10 +254,25 @@ class Run {
   std::vector<Measurement> measure() {
     const std::vector<MeasuredCell> cells = measured_cells();
     Progress progress("measuring", cells.size());
-    return measure_cells(cells, regions(experiment_), identity(), reader(), [&](std::size_t index) {
+    std::vector<Measurement> rows =
+        measure_cells(cells, regions(experiment_), identity(), reader(), [&](std::size_t index) {
+          throw_if_interrupted();
+          progress.update(index, label(cells[index].planned));
+        });
+    for (const PlannedBudget& budget : budgets_) {
       throw_if_interrupted();
-      progress.update(index, label(cells[index].planned));
-    });
+      const StoredBudget stored = read_budget(budget);
+      for (const auto& [name, value] : stored.facts) {
+        if (name.ends_with("_reached") && value == "no") {
+          warn_now(fmt::format("error budget: {} did not reach the tolerance of {} in its {:g} s",
+                               name.substr(0, name.size() - std::string("_reached").size()),
+                               experiment_.budget->tolerance, experiment_.budget->budget_seconds));
+        }
+      }
+      const std::vector<Measurement> parts = measure_budget(stored, cells, identity(), reader());
+      rows.insert(rows.end(), parts.begin(), parts.end());
+    }
+    return rows;
   }
 
   Measurement identity() const {
@@ -231,6 +290,7 @@ class Run {
   std::string make_measuring_key() const {
     std::string text = experiment_.resolved + std::string(harness_hash);
     for (const PlannedKey& cell : cells_) text += cell.key.hash();
+    for (const PlannedBudget& budget : budgets_) text += budget.key.hash();
     return sha256_text(text);
   }
 
@@ -282,6 +342,7 @@ class Run {
   Workbench bench_;
   CellStore store_;  // after bench_: a run that cannot start leaves the folder as it was
   std::vector<PlannedKey> cells_;
+  std::vector<PlannedBudget> budgets_;
   std::vector<std::string> warnings_;
 };
 
