@@ -114,6 +114,7 @@ class EnvironmentSampler {
   // Running sums, not normalised. Double: beside a sun of 30000 a float would lose the dark texels.
   std::vector<double> row_cdf_;     // height + 1
   std::vector<double> column_cdf_;  // height rows of width + 1
+  std::vector<double> row_cosine_;  // height + 1: of the polar angle at the rows' edges
 };
 
 }  // namespace occlab

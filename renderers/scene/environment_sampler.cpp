@@ -28,6 +28,9 @@ EnvironmentSampler::EnvironmentSampler(const Environment& environment)
     : environment_(&environment) {
   const Image& texels = environment.texels;
   row_cdf_.push_back(0.0);
+  for (int y = 0; y <= texels.height(); ++y) {
+    row_cosine_.push_back(std::cos(y * std::numbers::pi / texels.height()));
+  }
   column_cdf_.reserve(std::size_t(texels.height()) * (std::size_t(texels.width()) + 1));
   for (int y = 0; y < texels.height(); ++y) {
     double sum = 0.0;
@@ -64,19 +67,26 @@ EnvironmentSampler::Sample EnvironmentSampler::sample(float u1, float u2) const 
   const Interval column = find_interval(
       std::span(column_cdf_).subspan(std::size_t(row.index) * row_length, row_length), u2);
   const glm::ivec2 texel(column.index, row.index);
+  const auto row_index = std::size_t(row.index);
 
   const glm::mat3 world_from_probe = glm::transpose(environment_->probe_from_world);
   const auto direction_at = [&](double across, double down) {
-    const double phi = 2.0 * std::numbers::pi * ((texel.x + across) / texels.width() - 0.5);
-    const double step = std::numbers::pi / texels.height();
-    const double z = std::lerp(std::cos(texel.y * step), std::cos((texel.y + 1) * step), down);
-    const double r = std::sqrt(std::max(0.0, 1.0 - z * z));
-    return glm::normalize(world_from_probe * glm::vec3(r * std::cos(phi), z, r * std::sin(phi)));
+    const auto phi = float(2.0 * std::numbers::pi * ((texel.x + across) / texels.width() - 0.5));
+    const double z = std::lerp(row_cosine_[row_index], row_cosine_[row_index + 1], down);
+    const auto r = float(std::sqrt(std::max(0.0, 1.0 - z * z)));
+    return glm::normalize(world_from_probe *
+                          glm::vec3(r * std::cos(phi), float(z), r * std::sin(phi)));
   };
   glm::vec3 direction = direction_at(column.fraction, row.fraction);
-  // Rounding can carry a direction on a texel's edge into the neighbour, whose density differs.
-  if (environment_->texel(direction) != texel) direction = direction_at(0.5, 0.5);
-  return {direction, environment_->radiance(direction), texel_pdf(texel)};
+  // Rounding can carry a direction near a texel's edge into the neighbour, whose density differs.
+  const auto near_edge = [](double fraction) { return std::fabs(fraction - 0.5) > 0.48; };
+  const bool near_pole = std::fabs((environment_->probe_from_world * direction).y) > 0.99f;
+  if ((near_pole || near_edge(column.fraction) || near_edge(row.fraction)) &&
+      environment_->texel(direction) != texel) {
+    direction = direction_at(0.5, 0.5);
+  }
+  const auto value = texels.pixel(texel.x, texel.y);
+  return {direction, {value[0], value[1], value[2]}, texel_pdf(texel)};
 }
 
 }  // namespace occlab

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <embree3/rtcore.h>
+#include <immintrin.h>
 
 #include <array>
 #include <cmath>
@@ -15,6 +16,18 @@ struct alignas(64) Lanes {
   float& operator[](int lane) { return v[std::size_t(lane)]; }
   float operator[](int lane) const { return v[std::size_t(lane)]; }
 };
+/// Half of the lanes, as a vector of the compiler's.
+using Float8 = float __attribute__((vector_size(32)));
+using Int8 = int __attribute__((vector_size(32)));
+inline constexpr int half_lanes[] = {0, 8};
+inline Float8 load8(const Lanes& lanes, int first) {
+  return *reinterpret_cast<const Float8*>(&lanes.v[std::size_t(first)]);
+}
+inline void store8(Lanes& lanes, int first, Float8 value) {
+  *reinterpret_cast<Float8*>(&lanes.v[std::size_t(first)]) = value;
+}
+inline Float8 all8(float x) { return Float8{x, x, x, x, x, x, x, x}; }
+inline Float8 abs8(Float8 x) { return x < 0.0f ? -x : x; }
 struct Lanes3 {
   Lanes x, y, z;
 };
@@ -25,14 +38,14 @@ struct alignas(64) LaneMask {
 };
 
 /// arctan2 to 1e-7 rad, without branches [Abramowitz and Stegun 4.4.49].
-inline float lane_atan2(float y, float x) {
-  const float ax = std::fabs(x);
-  const float ay = std::fabs(y);
-  const float larger = ax > ay ? ax : ay;
-  const float smaller = ax > ay ? ay : ax;
-  const float a = smaller / (larger > 0.0f ? larger : 1.0f);
-  const float s = a * a;
-  float p = 0.0028662257f;
+inline Float8 atan2_8(Float8 y, Float8 x) {
+  const Float8 ax = abs8(x);
+  const Float8 ay = abs8(y);
+  const Float8 larger = ax > ay ? ax : ay;
+  const Float8 smaller = ax > ay ? ay : ax;
+  const Float8 a = smaller / (larger > 0.0f ? larger : all8(1.0f));
+  const Float8 s = a * a;
+  Float8 p = all8(0.0028662257f);
   p = p * s - 0.0161657367f;
   p = p * s + 0.0429096138f;
   p = p * s - 0.0752896400f;
@@ -40,16 +53,16 @@ inline float lane_atan2(float y, float x) {
   p = p * s - 0.1420889944f;
   p = p * s + 0.1999355085f;
   p = p * s - 0.3333314528f;
-  float angle = a + a * s * p;
+  Float8 angle = a + a * s * p;
   angle = ay > ax ? 1.57079632679f - angle : angle;
   angle = x < 0.0f ? 3.14159265359f - angle : angle;
   return y < 0.0f ? -angle : angle;
 }
 
 /// arccos to 1e-7 rad for x in [-1, 1], without branches [Abramowitz and Stegun 4.4.46].
-inline float lane_acos(float x) {
-  const float a = std::fabs(x);
-  float p = -0.0012624911f;
+inline Float8 acos_8(Float8 x) {
+  const Float8 a = abs8(x);
+  Float8 p = all8(-0.0012624911f);
   p = p * a + 0.0066700901f;
   p = p * a - 0.0170881256f;
   p = p * a + 0.0308918810f;
@@ -57,7 +70,8 @@ inline float lane_acos(float x) {
   p = p * a + 0.0889789874f;
   p = p * a - 0.2145988016f;
   p = p * a + 1.5707963050f;
-  const float angle = std::sqrt(1.0f - (a < 1.0f ? a : 1.0f)) * p;
+  const Float8 rest = 1.0f - (a < 1.0f ? a : all8(1.0f));
+  const Float8 angle = _mm256_sqrt_ps(rest) * p;
   return x < 0.0f ? 3.14159265359f - angle : angle;
 }
 

@@ -48,13 +48,21 @@ void attach_instance(RTCDevice device, RTCScene scene, RTCScene prototype,
   rtcReleaseGeometry(instance);
 }
 
+RTCDevice new_device() {
+  const RTCDevice device = rtcNewDevice(nullptr);
+  if (!device) {
+    throw DeviceError(
+        fmt::format("Embree cannot start: error {}", int(rtcGetDeviceError(nullptr))));
+  }
+  return device;
+}
+
 }  // namespace
 
 TracedScene::TracedScene(const Scene& scene)
-    : device_(rtcNewDevice(nullptr)), bounding_radius_(scene.bounding_radius()) {
-  if (!device_)
-    throw DeviceError(
-        fmt::format("Embree cannot start: error {}", int(rtcGetDeviceError(nullptr))));
+    : device_(new_device()),
+      bounding_radius_(scene.bounding_radius()),
+      tree_(device_.get(), scene) {
   scene_.reset(rtcNewScene(device_.get()));
   rtcSetSceneBuildQuality(scene_.get(), RTC_BUILD_QUALITY_HIGH);
 

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "renderers/scene/scene.h"
+#include "renderers/trace/triangle_tree.h"
 
 namespace occlab {
 
@@ -15,6 +16,7 @@ class TracedScene {
   explicit TracedScene(const Scene& scene);
 
   RTCScene handle() const { return scene_.get(); }
+  const TriangleTree& tree() const { return tree_; }
   /// Of the box around everything; ray epsilons are relative to it.
   float bounding_radius() const { return bounding_radius_; }
   /// How far above a surface, along its geometric normal, rays start: 1e-4 bounding radii.
@@ -28,6 +30,7 @@ class TracedScene {
   std::unique_ptr<RTCDeviceTy, Release> device_;
   std::unique_ptr<RTCSceneTy, Release> scene_;
   float bounding_radius_ = 0.0f;
+  TriangleTree tree_;
 };
 
 }  // namespace occlab
