@@ -28,8 +28,8 @@ void add(Table& table, const Comparisons& comparisons, TableColumn column, Cell 
 
 /// The last column becomes the first.
 void move_to_front(Table& table) {
-  std::ranges::rotate(table.columns, table.columns.end() - 1);
-  for (auto& row : table.rows) std::ranges::rotate(row, row.end() - 1);
+  std::rotate(table.columns.begin(), table.columns.end() - 1, table.columns.end());
+  for (auto& row : table.rows) std::rotate(row.begin(), row.end() - 1, row.end());
 }
 
 TableCell number(const Comparison& comparison) {
@@ -79,15 +79,13 @@ std::string family_note(const Comparisons& comparisons) {
   std::string note = fmt::format(
       "One family of {} tests after Holm 1979: that any of its verdicts is wrong has a probability "
       "of at most {:g}%. Each interval has the confidence at which Holm's procedure judged it "
-      "({:.6g}% to {:.6g}%), so that it excludes equality exactly where the verdict is not "
-      "unresolved",
+      "({:.6g}% to {:.6g}%), so that it excludes equality exactly where the test does",
       comparisons.tested, 100.0 * comparisons.level, 100.0 * lowest, 100.0 * highest);
   const double first_level = comparisons.level / double(comparisons.tested);
   if (comparisons.smallest_p > first_level) {
     note += fmt::format(
-        ". Nothing can be resolved: these seeds give no p-value below {:.2g}, and one would have "
-        "to "
-        "be below {:.2g}",
+        ". Nothing can be resolved: these seeds give no p-value below {:.2g}, and "
+        "one would have to be below {:.2g}",
         comparisons.smallest_p, first_level);
   }
   return note;

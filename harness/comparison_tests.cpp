@@ -43,8 +43,6 @@ Comparison new_comparison(const Measurement& a, const Measurement& b) {
   return comparison;
 }
 
-/// The test of a stored estimate with its Student interval of n - 1 degrees of freedom: of a ratio
-/// on a logarithmic scale.
 ComparisonTest test_estimate(Comparison comparison, const Measurement& row) {
   ComparisonTest test{std::move(comparison), std::nullopt, 0.0, {}};
   Comparison& result = test.comparison;
@@ -87,8 +85,6 @@ ComparisonTest test_estimate(Comparison comparison, const Measurement& row) {
   return test;
 }
 
-/// Holm's correction over all that have a p-value, and the interval that belongs to it. A verdict
-/// `equal` that is there already stays.
 Comparisons decide(std::vector<ComparisonTest> tests) {
   Comparisons result;
   std::vector<double> p_values;

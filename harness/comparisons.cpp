@@ -1,6 +1,7 @@
 #include "harness/comparisons.h"
 
 #include <algorithm>
+#include <unordered_map>
 #include <utility>
 
 #include "harness/comparison_tests.h"
@@ -123,7 +124,7 @@ Winners::Winners(const Comparisons& comparisons) {
                                       std::pair(&comparison.row_of_b, &comparison.b)}) {
       Score& score = scores_[*row + comparison.quantity];
       ++score.compared;
-      score.won += better == *method ? 1 : 0;
+      score.won += !better.empty() && better == *method ? 1 : 0;
     }
   }
 }

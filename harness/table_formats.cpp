@@ -231,7 +231,7 @@ std::string csv(const Table& table) {
         line.push_back(number && number->lower ? number_text(*number->lower) : "");
         line.push_back(number && number->upper ? number_text(*number->upper) : "");
       }
-      if (fields[c].winner) line.push_back(number && number->winner ? "yes" : "");
+      if (fields[c].winner) line.emplace_back(number && number->winner ? "yes" : "");
       if (fields[c].missing) line.push_back(missing ? missing->reason : "");
     }
     text += csv_line(line);
