@@ -7,6 +7,7 @@
 #include <map>
 #include <sstream>
 
+#include "harness/error_budget.h"
 #include "harness/published.h"
 #include "harness/toml_reader.h"
 #include "renderers/scene/error.h"
@@ -218,6 +219,7 @@ struct FigureContext {
   const SceneSettings& scene;
   const Methods& methods;
   const std::vector<PlannedCell>& cells;
+  bool budget;
 };
 
 /// The parameters that select one cell of each of the figure's methods; they do.
@@ -229,8 +231,15 @@ NamedValues read_selection(TomlTable& table, const FigureSettings& figure,
     try {
       const int group = select_group(context.cells, method, select);
       const auto cell = std::ranges::find(context.cells, group, &PlannedCell::group);
-      if (figure.kind == FigureKind::error_map && cell->role == Role::reference) {
+      if (figure.kind != FigureKind::comparison && figure.kind != FigureKind::closeups &&
+          cell->role == Role::reference) {
         table.fail("methods", fmt::format("'{}' is the reference itself", method));
+      }
+      if ((figure.kind == FigureKind::error_budget || figure.kind == FigureKind::failure_classes) &&
+          !has_budget(*cell)) {
+        table.fail("methods", fmt::format("'{}' has no budget: it does not march through the depth "
+                                          "buffer, or has no form on the CPU",
+                                          method));
       }
     } catch (const SelectionError& error) {
       table.fail(select.empty() ? "methods" : select.front().first, error.what());
@@ -242,13 +251,21 @@ NamedValues read_selection(TomlTable& table, const FigureSettings& figure,
 FigureSettings read_figure(TomlTable& table, const FigureContext& context) {
   FigureSettings figure;
   figure.name = table.identifier("name");
-  const std::string kind = table.one_of("kind", {"comparison", "closeups", "error_map"}, "");
+  const std::vector<std::pair<std::string, FigureKind>> kinds = {
+      {"comparison", FigureKind::comparison},
+      {"closeups", FigureKind::closeups},
+      {"error_map", FigureKind::error_map},
+      {"error_budget", FigureKind::error_budget},
+      {"failure_classes", FigureKind::failure_classes}};
+  std::vector<std::string> words;
+  for (const auto& [word, unused] : kinds) words.push_back(word);
+  const std::string kind = table.one_of("kind", words, "");
+  figure.kind = std::ranges::find(kinds, kind, &std::pair<std::string, FigureKind>::first)->second;
   figure.title = table.text("title", "");
   figure.stage = table.one_of("stage", {"filtered", "unfiltered"}, "filtered");
   figure.methods = table.words("methods");
   known_methods(table, "methods", figure.methods, context.methods);
-  if (kind == "closeups") {
-    figure.kind = FigureKind::closeups;
+  if (figure.kind == FigureKind::closeups) {
     for (TomlTable& row_table : table.tables("rows")) {
       CloseupRow row;
       row.label = row_table.text("label");
@@ -259,12 +276,17 @@ FigureSettings read_figure(TomlTable& table, const FigureContext& context) {
     table.refuse_others();
     return figure;
   }
-  if (kind == "error_map") {
-    figure.kind = FigureKind::error_map;
+  if (figure.kind != FigureKind::comparison) {
     figure.scale = table.real("scale", 1e-9, 1e9, std::nullopt);
     if (context.cells.front().role != Role::reference) {
-      table.fail("kind", "an error map needs a [reference]");
+      table.fail("kind", "a figure of errors needs a [reference]");
     }
+  }
+  const bool of_budget =
+      figure.kind == FigureKind::error_budget || figure.kind == FigureKind::failure_classes;
+  if (of_budget && !context.budget) table.fail("kind", fmt::format("'{}' needs a [budget]", kind));
+  if (figure.kind == FigureKind::failure_classes && figure.methods.size() != 1) {
+    table.fail("methods", "accepted is one method: all that share its march have the same classes");
   }
   figure.select = read_selection(table, figure, context);
   return figure;
@@ -345,7 +367,8 @@ Experiment load_experiment(const std::filesystem::path& path,
   if (root.has("figure")) {
     const std::vector<PlannedCell> cells = plan(experiment, methods);
     for (TomlTable& table : root.tables("figure")) {
-      FigureSettings figure = read_figure(table, {experiment.scene, methods, cells});
+      FigureSettings figure =
+          read_figure(table, {experiment.scene, methods, cells, experiment.budget.has_value()});
       if (std::ranges::find(experiment.figures, figure.name, &FigureSettings::name) !=
           experiment.figures.end()) {
         table.fail("name", fmt::format("two figures are called '{}'", figure.name));

@@ -56,7 +56,7 @@ struct BudgetSettings {
   double budget_seconds = 120.0;  ///< for each of them
 };
 
-enum class FigureKind { comparison, closeups, error_map };
+enum class FigureKind { comparison, closeups, error_map, error_budget, failure_classes };
 
 struct Rectangle {
   int x = 0;  ///< pixels, from the left
@@ -77,9 +77,9 @@ struct FigureSettings {
   std::string title;
   std::string stage = "filtered";  ///< or "unfiltered"
   std::vector<std::string> methods;
-  NamedValues select;            ///< comparison, error_map: picks one cell of each method
+  NamedValues select;            ///< all but closeups: picks one cell of each method
   std::vector<CloseupRow> rows;  ///< closeups
-  double scale = 0.0;            ///< error_map: the error shown as the end of the colour scale
+  double scale = 0.0;            ///< of errors: what is shown as the end of the colour scale
 };
 
 struct Experiment {

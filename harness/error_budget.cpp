@@ -20,11 +20,6 @@ std::string variant_of(const PlannedCell& cell) {
          cell.parameters.to_string({Factor::visibility, Factor::representation, Factor::lighting});
 }
 
-bool has_budget(const PlannedCell& cell) {
-  return cell.role == Role::test && find_method(cell.method).representation &&
-         !traces(cell.parameters);
-}
-
 std::vector<ConvergedMethod> converged_methods(const BudgetCell& cell) {
   std::vector<ConvergedMethod> methods;
   for (const BudgetVariant& variant : cell.variants) {
@@ -46,6 +41,32 @@ void add_converged(const BudgetCell& cell, const std::string& source,
 }
 
 }  // namespace
+
+bool has_budget(const PlannedCell& cell) {
+  return cell.role == Role::test && find_method(cell.method).representation &&
+         !traces(cell.parameters);
+}
+
+const BudgetVariant* find_variant(const BudgetCell& budget, const PlannedCell& cell) {
+  if (!has_budget(cell)) return nullptr;
+  const auto found = std::ranges::find_if(budget.variants, [&](const BudgetVariant& variant) {
+    return variant_of(variant.planned) == variant_of(cell);
+  });
+  return found == budget.variants.end() ? nullptr : &*found;
+}
+
+std::vector<BudgetPart> budget_parts(const Layers& budget, const BudgetVariant& variant,
+                                     const Image& reference, const Layers& cell) {
+  const Image& traced = budget.at(variant.name + "_traced");
+  const Image& depth = budget.at(variant.name + "_depth");
+  const Image* unfiltered = cell.find("radiance_unfiltered");
+  const Image& radiance = cell.at("radiance");
+  std::vector<BudgetPart> parts = {{"representation", &traced, &reference},
+                                   {"visibility", &depth, &traced},
+                                   {"sampling", unfiltered ? unfiltered : &radiance, &depth}};
+  if (unfiltered) parts.push_back({"filter", &radiance, unfiltered});
+  return parts;
+}
 
 std::vector<BudgetCell> plan_budget(const std::vector<PlannedCell>& cells) {
   std::vector<BudgetCell> budget;

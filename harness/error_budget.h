@@ -28,6 +28,9 @@ struct BudgetVariant {
   PlannedCell planned;  ///< the first of its cells
 };
 
+/// Whether a cell marches through the depth buffer, with a method that also runs on the CPU.
+bool has_budget(const PlannedCell& cell);
+
 /// Variants that share the march.
 struct BudgetCell {
   std::vector<BudgetVariant> variants;
@@ -51,6 +54,18 @@ struct StoredBudget {
   Layers layers;
   Metadata facts;
 };
+
+/// The variant that is the budget of a cell; nullptr if there is none.
+const BudgetVariant* find_variant(const BudgetCell& budget, const PlannedCell& cell);
+
+/// The parts by name in the order of the sum; `filter` only where there is a filtered image.
+struct BudgetPart {
+  std::string name;
+  const Image* minuend;
+  const Image* subtrahend;
+};
+std::vector<BudgetPart> budget_parts(const Layers& budget, const BudgetVariant& variant,
+                                     const Image& reference, const Layers& cell);
 
 /// The parts of every group of `cells` (the whole plan, the reference first) that the budget is of,
 /// over the seeds, before and after the filter; and the failure classes of the budget's march.

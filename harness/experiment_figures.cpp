@@ -7,6 +7,7 @@
 
 #include "harness/figures/figures.h"
 #include "harness/files.h"
+#include "renderers/methods/failure_classes.h"
 #include "renderers/methods/method.h"
 #include "renderers/scene/error.h"
 
@@ -17,8 +18,8 @@ namespace {
 class FigureSource {
  public:
   FigureSource(const Experiment& experiment, const std::vector<MeasuredCell>& cells,
-               const ReadLayers& read)
-      : cells_(cells), read_(read) {
+               const ReadLayers& read, const ReadBudget& read_budget)
+      : cells_(cells), read_(read), read_budget_(read_budget) {
     for (const MeasuredCell& cell : cells) planned_.push_back(cell.planned);
     const Layers reference = read(cells.front());
     reference_ = reference.at("radiance");
@@ -34,12 +35,19 @@ class FigureSource {
   double exposure() const { return exposure_; }
   DisplayColour colour(const std::string& method) const { return colours_.at(method); }
 
+  /// The first seed of the selected cells.
+  const MeasuredCell& cell(const std::string& method, const NamedValues& select) const {
+    const int group = select_group(planned_, method, select);
+    const auto found = std::ranges::find(planned_, group, &PlannedCell::group);
+    return cells_[std::size_t(found - planned_.begin())];
+  }
+  Layers layers(const MeasuredCell& cell) const { return read_(cell); }
+  const StoredBudget& budget(const MeasuredCell& cell) const { return read_budget_(cell.planned); }
+
   /// Linear radiance of the first seed of the selected cells.
   Image radiance(const std::string& method, const NamedValues& select,
                  const std::string& stage) const {
-    const int group = select_group(planned_, method, select);
-    const auto cell = std::ranges::find(planned_, group, &PlannedCell::group);
-    const Layers layers = read_(cells_[std::size_t(cell - planned_.begin())]);
+    const Layers layers = read_(cell(method, select));
     const Image* unfiltered = layers.find("radiance_unfiltered");
     return stage == "unfiltered" && unfiltered ? *unfiltered : layers.at("radiance");
   }
@@ -52,6 +60,7 @@ class FigureSource {
  private:
   const std::vector<MeasuredCell>& cells_;
   const ReadLayers& read_;
+  const ReadBudget& read_budget_;
   std::vector<PlannedCell> planned_;
   Image reference_;
   Image mask_;
@@ -122,7 +131,97 @@ Image draw_errors(const FigureSettings& settings, const FigureSource& source) {
   return error_figure(figure);
 }
 
-Image draw(const FigureSettings& settings, const FigureSource& source) {
+/// Large figures show every so-many-th pixel, so that a page stays about this wide.
+constexpr int budget_page_width = 2600;
+
+ErrorFigure map_figure(const FigureSettings& settings, const FigureSource& source, int columns) {
+  ErrorFigure figure;
+  figure.title = settings.title;
+  figure.scale = settings.scale;
+  figure.columns = columns;
+  figure.mask = source.mask();
+  return figure;
+}
+
+/// Keeps every so-many-th pixel of all maps, and says so.
+Image draw_decimated(ErrorFigure figure) {
+  const int step = std::max(
+      1, (figure.columns * figure.mask.width() + budget_page_width - 1) / budget_page_width);
+  for (ErrorPanel& panel : figure.panels) panel.error = decimated(panel.error, step);
+  figure.mask = decimated(figure.mask, step);
+  if (step > 1) {
+    figure.caption += fmt::format(" Every {}th pixel each way is shown and counted.", step);
+  }
+  return error_figure(figure);
+}
+
+/// The luminance of a - b in mean luminances of the reference.
+Image luminance_difference(const Image& a, const Image& b, const FigureSource& source) {
+  Image difference(a.width(), a.height(), 1);
+  const auto luminance = [](const Image& image, std::size_t p) {
+    const auto rgb = image.values().subspan(3 * p, 3);
+    return 0.2126 * double(rgb[0]) + 0.7152 * double(rgb[1]) + 0.0722 * double(rgb[2]);
+  };
+  double sum = 0.0;
+  std::size_t pixels = 0;
+  for (std::size_t p = 0; p < difference.pixel_count(); ++p) {
+    if (source.mask().values()[p] <= 0.5f) continue;
+    difference.values()[p] = float(luminance(a, p) - luminance(b, p));
+    sum += luminance(source.reference(), p);
+    ++pixels;
+  }
+  for (float& value : difference.values()) value = float(double(value) * double(pixels) / sum);
+  return difference;
+}
+
+Image draw_budget(const FigureSettings& settings, const FigureSource& source,
+                  const std::filesystem::path& maps_file) {
+  ErrorFigure figure = map_figure(settings, source, 4);
+  Layers maps;
+  for (const std::string& method : settings.methods) {
+    const MeasuredCell& cell = source.cell(method, settings.select);
+    const StoredBudget& budget = source.budget(cell);
+    const Layers layers = source.layers(cell);
+    for (const BudgetPart& part : budget_parts(
+             budget.layers, *find_variant(budget.cell, cell.planned), source.reference(), layers)) {
+      Image map = luminance_difference(*part.minuend, *part.subtrahend, source);
+      maps.add(method + "_" + part.name, map);
+      figure.panels.push_back(
+          {find_method(method).title + ": " + part.name, source.colour(method), std::move(map)});
+    }
+  }
+  figure.columns = int(figure.panels.size() / settings.methods.size());
+  figure.caption = fmt::format(
+      "A row's maps add up to the method's image minus the reference. Representation: traced "
+      "visibility, converged, minus the reference; visibility: the depth buffer's, converged, "
+      "minus the traced; sampling: one seed's samples minus converged; filter: after minus before. "
+      "{}.",
+      describe(settings.select));
+  write_exr(maps_file, maps, {});
+  return draw_decimated(std::move(figure));
+}
+
+Image draw_failures(const FigureSettings& settings, const FigureSource& source) {
+  ErrorFigure figure = map_figure(settings, source, 3);
+  const StoredBudget& budget = source.budget(source.cell(settings.methods[0], settings.select));
+  for (const std::string_view name : failure_class_names) {
+    figure.panels.push_back({std::string(name), source.colour(settings.methods[0]),
+                             budget.layers.at(std::string(name) + "_occlusion")});
+  }
+  figure.quantity =
+      "ambient occlusion by the depth buffer minus traced; blue: light is lost, red: "
+      "light leaks in";
+  figure.caption =
+      "off_screen: the blocker is off the screen or behind the camera; hidden_blocker: it is "
+      "behind "
+      "the first surface of its pixel; thin: it is in full view, and the steps missed it; edge: a "
+      "pixel's centre and the ray see different sides of a silhouette; behind_surface: a free ray "
+      "passes behind the first surface; beyond_radius: what the ray meets is farther than d_max.";
+  return draw_decimated(std::move(figure));
+}
+
+Image draw(const FigureSettings& settings, const FigureSource& source,
+           const std::filesystem::path& folder) {
   switch (settings.kind) {
     case FigureKind::comparison:
       return draw_comparison(settings, source);
@@ -130,6 +229,10 @@ Image draw(const FigureSettings& settings, const FigureSource& source) {
       return draw_closeups(settings, source);
     case FigureKind::error_map:
       return draw_errors(settings, source);
+    case FigureKind::error_budget:
+      return draw_budget(settings, source, folder / (settings.name + ".exr"));
+    case FigureKind::failure_classes:
+      return draw_failures(settings, source);
   }
   return {};
 }
@@ -137,16 +240,17 @@ Image draw(const FigureSettings& settings, const FigureSource& source) {
 }  // namespace
 
 void write_figures(const Experiment& experiment, const std::vector<MeasuredCell>& cells,
-                   const ReadLayers& read, const std::filesystem::path& folder) {
+                   const ReadLayers& read, const ReadBudget& read_budget,
+                   const std::filesystem::path& folder) {
   if (experiment.figures.empty()) return;
   if (cells.empty() || cells.front().planned.role != Role::reference) {
     throw InputError(
         fmt::format("{}: key 'figure': figures need a [reference]", experiment.file.string()));
   }
   create_folder(folder);
-  const FigureSource source(experiment, cells, read);
+  const FigureSource source(experiment, cells, read, read_budget);
   for (const FigureSettings& settings : experiment.figures) {
-    write_png(folder / (settings.name + ".png"), draw(settings, source));
+    write_png(folder / (settings.name + ".png"), draw(settings, source, folder));
   }
 }
 

@@ -1,16 +1,24 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <vector>
 
 #include "harness/config.h"
+#include "harness/error_budget.h"
 #include "harness/measure.h"
 
 namespace occlab {
 
+/// The budget that a cell belongs to.
+using ReadBudget = std::function<const StoredBudget&(const PlannedCell&)>;
+
 /// Draws the experiment's figures from its cells (of several seeds, the first) and writes
-/// FOLDER/NAME.png. Without a reference cell there is no exposure to share: InputError.
+/// FOLDER/NAME.png; of an error budget also the
+/// maps, FOLDER/NAME.exr with the layers METHOD_PART, in mean luminances. Without a reference cell
+/// there is no exposure to share: InputError.
 void write_figures(const Experiment& experiment, const std::vector<MeasuredCell>& cells,
-                   const ReadLayers& read, const std::filesystem::path& folder);
+                   const ReadLayers& read, const ReadBudget& read_budget,
+                   const std::filesystem::path& folder);
 
 }  // namespace occlab

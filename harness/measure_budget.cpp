@@ -212,17 +212,6 @@ class BudgetMeasurer {
   std::vector<Measurement> rows_;
 };
 
-/// Which variant, if any, is the budget of a cell.
-const BudgetVariant* find_variant(const BudgetCell& budget, const PlannedCell& cell) {
-  const std::vector<BudgetCell> own = plan_budget({cell});
-  if (own.empty()) return nullptr;
-  for (const BudgetVariant& variant : budget.variants) {
-    const std::vector<BudgetCell> both = plan_budget({variant.planned, cell});
-    if (both.size() == 1 && both.front().variants.size() == 1) return &variant;
-  }
-  return nullptr;
-}
-
 }  // namespace
 
 std::vector<Measurement> measure_budget(const StoredBudget& budget,

@@ -132,7 +132,8 @@ class Run {
     write_measurements(measurements_path(), rows);
     const std::vector<Table> tables = make_tables(rows, timing_table_settings(experiment_));
     write_tables(tables, store_.folder() / "tables");
-    write_figures(experiment_, measured_cells(), reader(), store_.folder() / "figures");
+    write_figures(experiment_, measured_cells(), reader(), budget_reader(),
+                  store_.folder() / "figures");
     json report = environment_report(experiment_, bench_);
     report["measuring_key"] = make_measuring_key();
     report["timing_key"] = timing_key;
@@ -222,6 +223,18 @@ class Run {
     }
     return {budget.cell, budget.key.id(), std::move(read.cell->layers),
             read.cell->extra.get<Metadata>()};
+  }
+
+  /// The budget of a planned cell; the last one read is kept.
+  ReadBudget budget_reader() {
+    return [this, kept = std::optional<StoredBudget>()](
+               const PlannedCell& cell) mutable -> const StoredBudget& {
+      const auto found = std::ranges::find_if(budgets_, [&](const PlannedBudget& budget) {
+        return find_variant(budget.cell, cell) != nullptr;
+      });
+      if (!kept || kept->id != found->key.id()) kept.emplace(read_budget(*found));
+      return *kept;
+    };
   }
 
   /// Reads a cell; one that turns out damaged is rendered again, and said so.

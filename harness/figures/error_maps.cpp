@@ -11,7 +11,7 @@
 namespace occlab {
 namespace {
 
-const char* quantity(ErrorMap kind) {
+std::string quantity_of(ErrorMap kind) {
   return kind == ErrorMap::signed_luminance
              ? "luminance error (Y \u2212 Y_ref) / mean Y_ref; 1 is the reference's mean "
                "luminance; "
@@ -52,7 +52,8 @@ std::string tick_text(std::span<const double> ticks, std::size_t i) {
 }
 
 /// The bar in a thin frame, a tick and a number at each of its ticks, the quantity below.
-Image legend(ErrorMap kind, double scale, int width, const FigureSizes& sizes) {
+Image legend(const std::string& quantity, ErrorMap kind, double scale, int width,
+             const FigureSizes& sizes) {
   const int height = sizes.title * 5 / 4;
   const int line = std::max(1, sizes.border / 3);
   const Image bar = framed(colour_bar(kind, scale, width, height), line, ink);
@@ -72,11 +73,22 @@ Image legend(ErrorMap kind, double scale, int width, const FigureSizes& sizes) {
           bar.height() + tick, text);
   }
   return stack(
-      {numbered, text_block(quantity(kind), {sizes.text}, std::max(numbered.width(), 2 * width))},
+      {numbered, text_block(quantity, {sizes.text}, std::max(numbered.width(), 2 * width))},
       sizes.gap / 3, Placement::centre);
 }
 
 }  // namespace
+
+Image decimated(const Image& image, int step) {
+  Image result((image.width() + step - 1) / step, (image.height() + step - 1) / step,
+               image.channels());
+  for (int y = 0; y < result.height(); ++y) {
+    for (int x = 0; x < result.width(); ++x) {
+      std::ranges::copy(image.pixel(x * step, y * step), result.pixel(x, y).begin());
+    }
+  }
+  return result;
+}
 
 ErrorSummary summarize_error(const Image& error, const Image& mask, double scale) {
   require_shape(error, "error", error, 1);
@@ -110,7 +122,7 @@ Image error_figure(const ErrorFigure& figure) {
   const Image& first = figure.panels.front().error;
   for (const ErrorPanel& panel : figure.panels) require_shape(panel.error, panel.label, first, 1);
   require_shape(figure.mask, "mask", first, 1);
-  const int columns = figure.panels.size() > 1 ? 2 : 1;
+  const int columns = std::min(figure.columns, int(figure.panels.size()));
   const FigureSizes sizes(columns * first.width());
   std::vector<Image> panels;
   for (const ErrorPanel& panel : figure.panels) {
@@ -122,7 +134,8 @@ Image error_figure(const ErrorFigure& figure) {
               sizes.gap / 3));
   }
   const Image maps = grid(panels, columns, sizes.gap);
-  const Image scale = legend(figure.kind, figure.scale, maps.width() / 2, sizes);
+  const Image scale = legend(figure.quantity.empty() ? quantity_of(figure.kind) : figure.quantity,
+                             figure.kind, figure.scale, maps.width() / 2, sizes);
   const Image centred_scale = centred(scale, maps.width(), scale.height());
   return page(figure.title, {maps, centred_scale}, figure.caption, sizes);
 }

@@ -81,6 +81,8 @@ struct ErrorFigure {
   Image mask;          ///< one channel; the statistics are over where it exceeds 0.5
   std::vector<ErrorPanel> panels;
   std::string caption;
+  int columns = 2;
+  std::string quantity;  ///< of the colour bar; empty: that of `kind`
 };
 
 /// What stands under a panel of an error figure. Means are over the finite errors of the mask; they
@@ -93,7 +95,10 @@ struct ErrorSummary {
 };
 ErrorSummary summarize_error(const Image& error, const Image& mask, double scale);
 
-/// Error maps in two columns on one fixed scale, printed as a colour bar with its numbers and unit;
+/// Every `step`-th pixel each way.
+Image decimated(const Image& image, int step);
+
+/// Error maps in columns on one fixed scale, printed as a colour bar with its numbers and unit;
 /// under each its mean error, and what the scale cuts off.
 Image error_figure(const ErrorFigure& figure);
 
