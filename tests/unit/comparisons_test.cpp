@@ -5,76 +5,15 @@
 
 #include <chrono>
 #include <cmath>
-#include <functional>
-#include <limits>
 #include <map>
-#include <nlohmann/json.hpp>
-#include <numeric>
 
-#include "harness/csv.h"
 #include "harness/experiment_tables.h"
 #include "harness/table_formats.h"
 #include "renderers/scene/error.h"
+#include "tests/unit/planted_measurements.h"
 
 namespace occlab {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
-using Values = std::vector<double>;
-
-/// Eight seeds around a value, the same deviations in different orders.
-Values around(double centre, double spread, std::size_t turn = 0) {
-  const Values deviations = {-0.9, 0.4, 1.1, -0.3, 0.6, -1.2, 0.1, 0.2};
-  Values values;
-  for (std::size_t i = 0; i < 8; ++i) {
-    values.push_back(centre + spread * deviations[(i * 3 + turn) % 8]);
-  }
-  return values;
-}
-
-Measurement base(const std::string& method, const std::string& metric) {
-  Measurement m;
-  m.experiment = "s3ho";
-  m.scene = "gallery";
-  m.view = "main";
-  m.method = method;
-  m.parameters = {{"samples", "32"}};
-  m.stage = "filtered";
-  m.metric = metric;
-  return m;
-}
-
-/// The rows of each seed and the one over all seeds. A NaN stands for a seed without a value.
-void add(std::vector<Measurement>& rows, Measurement m, const Values& values) {
-  double sum = 0.0;
-  for (std::size_t seed = 0; seed < values.size(); ++seed) {
-    m.seed = fmt::format("{}", seed);
-    m.value = values[seed];
-    m.reason = "";
-    if (std::isnan(values[seed])) {
-      m.value.reset();
-      m.reason = "3 pixels are NaN";
-    }
-    rows.push_back(m);
-    sum += values[seed];
-  }
-  m.seed = "all";
-  m.n = long(values.size());
-  m.value = sum / double(values.size());
-  m.reason = "";
-  if (std::isnan(sum)) {
-    m.value.reset();
-    m.reason = "3 pixels are NaN";
-  }
-  rows.push_back(m);
-}
-
-std::vector<Measurement> measure(const std::map<std::string, Values>& methods,
-                                 const std::string& metric = "rmse") {
-  std::vector<Measurement> rows;
-  for (const auto& [method, values] : methods) add(rows, base(method, metric), values);
-  return rows;
-}
 
 /// The only comparison of two methods called a and b.
 Comparison compare(const Values& a, const Values& b, const std::string& metric = "rmse") {
@@ -82,21 +21,6 @@ Comparison compare(const Values& a, const Values& b, const std::string& metric =
       compare_accuracy(measure({{"a", a}, {"b", b}}, metric), "filtered");
   EXPECT_EQ(comparisons.all.size(), 1u);
   return comparisons.all.at(0);
-}
-
-std::string winner_of(const std::vector<Measurement>& rows, const std::string& metric = "rmse") {
-  const Table table = accuracy_table(rows, "filtered", compare_accuracy(rows, "filtered"));
-  std::string winners;
-  for (std::size_t c = 0; c < table.columns.size(); ++c) {
-    for (const auto& row : table.rows) {
-      const auto* number = std::get_if<TableNumber>(&row[c]);
-      if (number && number->winner) {
-        EXPECT_EQ(table.columns[c].name, metric);
-        winners += std::get<std::string>(row[0]);
-      }
-    }
-  }
-  return winners;
 }
 
 TEST(Comparisons, VerdictsOfPlantedDifferences) {
@@ -252,43 +176,6 @@ TEST(Comparisons, SeveralViewsAreAlsoPooled) {
   EXPECT_EQ(damaged.all.front().verdict, Verdict::less);
 }
 
-TEST(Winners, OnlyWhoBeatsAllOthers) {
-  const Values best = around(0.1, 0.01);
-  const Values second = around(0.2, 0.01, 1);
-  const Values last = around(0.3, 0.01, 2);
-  EXPECT_EQ(winner_of(measure({{"a", second}, {"b", best}, {"c", last}})), "b");
-  EXPECT_EQ(winner_of(measure({{"a", second}, {"b", best}, {"c", last}}, "ssim"), "ssim"), "c");
-  EXPECT_EQ(winner_of(measure({{"a", second}, {"b", best}, {"c", last}}, "unheard_of")), "");
-  const double nan = std::nan("");
-  for (const Values& rival : {best, around(0.102, 0.01, 3), Values{0.9}, Values{},
-                              Values{0.9, 0.9, nan, 0.9, 0.9, 0.9, 0.9, 0.9}}) {
-    std::vector<Measurement> rows = measure({{"b", best}, {"c", last}});
-    EXPECT_EQ(winner_of(rows), "b");
-    add(rows, base("rival", "rmse"), rival);
-    EXPECT_EQ(winner_of(rows), "") << "equal, unresolved, one seed, not measured, NaN";
-  }
-  EXPECT_EQ(winner_of(measure({{"a", {0.1}}, {"b", {0.9}}})), "") << "one seed";
-  EXPECT_EQ(winner_of(measure({{"a", best}})), "") << "nothing to beat";
-
-  const auto rows = measure({{"a", second}, {"b", best}});
-  for (const auto& row : accuracy_table(rows, "filtered").rows) {
-    EXPECT_FALSE(std::get<TableNumber>(row.back()).winner) << "not compared";
-  }
-}
-
-TEST(Winners, OneForEachParameterPoint) {
-  std::vector<Measurement> rows;
-  for (const char* samples : {"32", "8"}) {
-    for (const char* method : {"a", "b"}) {
-      Measurement m = base(method, "rmse");
-      m.parameters = {{"samples", samples}};
-      const bool better = (*method == 'a') == (*samples == '8');
-      add(rows, m, around(better ? 0.1 : 0.3, 0.01, std::size_t(*method)));
-    }
-  }
-  EXPECT_EQ(winner_of(rows), "ba");
-}
-
 Measurement estimate(const std::string& metric, const std::string& method, double value,
                      double lower, double upper, long n = 8) {
   Measurement m = base(method, metric);
@@ -391,43 +278,6 @@ TEST(Orderings, HoldsAfterHolmsCorrectionOnly) {
   EXPECT_NEAR(*compare_ratios({ratio(p4), ratio(-p1)}).all[1].adjusted_p, 0.02, 1e-9);
 }
 
-Table small_table() {
-  const auto rows = measure({{"a", around(0.1, 0.01)}, {"b", around(-0.3, 0.01, 1)}});
-  return accuracy_table(rows, "filtered", compare_accuracy(rows, "filtered"));
-}
-
-TEST(Formats, EveryFormatMarksTheWinner) {
-  Table table = small_table();
-  std::get<TableNumber>(table.rows[1][1]) = {-0.3, -0.31, -0.29, true};
-  EXPECT_NE(format_table(table, "md").find("| **-0.300** [-0.310, -0.290] |"), std::string::npos)
-      << format_table(table, "md");
-  EXPECT_NE(format_table(table, "latex")
-                .find("\\textbf{\\boldmath$-0.300$} {\\footnotesize $[-0.310, -0.290]$}"),
-            std::string::npos)
-      << format_table(table, "latex");
-  const auto records = parse_csv(format_table(table, "csv"), "t.csv");
-  EXPECT_EQ(records[0].fields, (std::vector<std::string>{"method", "rmse", "rmse lower",
-                                                         "rmse upper", "rmse winner"}));
-  EXPECT_EQ(records[1].fields.back(), "");
-  EXPECT_EQ(records[2].fields[1], "-0.3") << "the number stays a number";
-  EXPECT_EQ(records[2].fields.back(), "yes");
-  const auto json = nlohmann::json::parse(format_table(table, "json"));
-  EXPECT_EQ(json["rows"][1][1]["winner"], true);
-  EXPECT_FALSE(json["rows"][0][1].contains("winner"));
-}
-
-TEST(Formats, NothingIsMarkedWithoutAWinner) {
-  const auto rows = measure({{"a", around(0.1, 0.01)}, {"b", around(0.1, 0.01)}});
-  const Table table = accuracy_table(rows, "filtered", compare_accuracy(rows, "filtered"));
-  for (const std::string& format : table_formats()) {
-    std::string text = format_table(table, format);
-    text.resize(std::min(text.size(), text.find("Bold (in CSV")));  // the note explains the mark
-    for (const char* mark : {"**", "textbf", "winner"}) {
-      EXPECT_EQ(text.find(mark), std::string::npos) << format;
-    }
-  }
-}
-
 TEST(ComparisonsTable, SaysEverything) {
   const auto rows = measure({{"a", around(0.1, 0.01)},
                              {"b", around(0.3, 0.01, 1)},
@@ -450,16 +300,6 @@ TEST(ComparisonsTable, SaysEverything) {
   for (const std::string& format : table_formats())
     EXPECT_FALSE(format_table(table, format).empty());
   EXPECT_TRUE(comparisons_table({}, "none", "none").rows.empty());
-}
-
-TEST(ComparisonsTable, TooFewSeedsAreSaid) {
-  const auto rows = measure({{"a", {0.1, 0.11, 0.1}}, {"b", {0.3, 0.31, 0.32}}});
-  const Comparisons comparisons = compare_accuracy(rows, "filtered");
-  EXPECT_NE(comparisons_table(comparisons, "c", "c").notes.back().find("no p-value below 0.11"),
-            std::string::npos);
-  const Table table = accuracy_table(rows, "filtered", comparisons);
-  EXPECT_NE(table.notes.back().find("No winner is marked: these seeds give no p-value below 0.11"),
-            std::string::npos);
 }
 
 // Not pass or fail: how long the tables of 10000 measurements take, drawn resamples included.
