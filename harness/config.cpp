@@ -135,6 +135,10 @@ ReferenceSettings read_reference(TomlTable table, const Methods& methods) {
   ReferenceSettings reference;
   reference.method = table.text("method");
   const auto known = known_methods(table, "method", {reference.method}, methods);
+  reference.tolerance = table.real("tolerance", 1e-4, 10.0, 0.1);
+  if (table.has("max_rays_per_pixel")) {
+    reference.max_rays_per_pixel = table.integer("max_rays_per_pixel", 1, 1 << 24, std::nullopt);
+  }
   reference.parameters = single_values(read_parameters(table, known, {.own_seed = true}));
   return reference;
 }
@@ -316,6 +320,20 @@ void refuse_equal_cells(const Experiment& experiment, const std::vector<TomlTabl
   }
 }
 
+/// max_rays_per_pixel goes on from rays_per_pixel.
+void check_ray_budget(const ReferenceSettings& reference, const ParameterSet& parameters,
+                      const TomlTable& table) {
+  if (!reference.max_rays_per_pixel) return;
+  if (!parameters.has("rays_per_pixel") || !parameters.has("seed")) {
+    table.fail("max_rays_per_pixel", "method '" + reference.method + "' does not trace rays");
+  }
+  if (const long first = parameters.integer("rays_per_pixel");
+      *reference.max_rays_per_pixel < first) {
+    table.fail("max_rays_per_pixel",
+               fmt::format("accepted are at least rays_per_pixel, {}", first));
+  }
+}
+
 }  // namespace
 
 Experiment load_experiment(const std::filesystem::path& path,
@@ -363,6 +381,10 @@ Experiment load_experiment(const std::filesystem::path& path,
     experiment.parameters = single_values(read_parameters(table, used, {}));
   }
   refuse_equal_cells(experiment, run_tables, methods);
+  if (experiment.reference) {
+    check_ray_budget(*experiment.reference, plan(experiment, methods).front().parameters,
+                     root.table("reference"));
+  }
 
   if (root.has("figure")) {
     const std::vector<PlannedCell> cells = plan(experiment, methods);

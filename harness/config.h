@@ -33,6 +33,9 @@ struct SceneSettings {
 struct ReferenceSettings {
   std::string method;
   NamedValues parameters;
+  double tolerance = 0.1;  ///< of the smallest error (certification.h)
+  /// As many rays as it may take to get there; none: `rays_per_pixel`, whatever comes of it.
+  std::optional<long> max_rays_per_pixel;
 };
 
 struct RunSettings {

@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "harness/budget_tables.h"
+#include "harness/certification.h"
 #include "harness/files.h"
 #include "harness/measure.h"
 #include "harness/table_formats.h"
@@ -53,6 +54,7 @@ std::vector<Table> make_tables(const std::vector<Measurement>& measurements,
     table.title = "Accuracy in the closeups, " + stage;
     add(std::move(table));
   }
+  add(reference_table(measurements));
   for (const std::string& stage : stages) add(budget_table(measurements, stage));
   add(failure_table(measurements));
   for (Table& table : comparison_tables) add(std::move(table));

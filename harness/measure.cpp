@@ -319,6 +319,14 @@ std::vector<Region> regions(const Experiment& experiment) {
   return all;
 }
 
+std::vector<StageImage> stage_images(const Layers& layers) {
+  std::vector<StageImage> images;
+  for (const Stage& stage : stages) {
+    if (const Image* image = stage_image(layers, stage)) images.push_back({stage.name, *image});
+  }
+  return images;
+}
+
 std::vector<Measurement> measure_cells(const std::vector<MeasuredCell>& cells,
                                        const std::vector<Region>& regions,
                                        const Measurement& identity, const ReadLayers& read,

@@ -19,6 +19,14 @@ struct MeasuredCell {
 /// The layers of a cell; may throw InputError where it is not to be had.
 using ReadLayers = std::function<Layers(const MeasuredCell&)>;
 
+/// The images of a cell that are measured, by their stage: before and after the filter. A method that
+/// does not filter has only the unfiltered one. They are those of `layers`.
+struct StageImage {
+  std::string name;
+  const Image& image;
+};
+std::vector<StageImage> stage_images(const Layers& layers);
+
 /// A part of the picture in which the metrics are measured on their own, as of a view of its own.
 struct Region {
   std::string name;

@@ -63,9 +63,13 @@ bool is_budget(const Measurement& measurement) {
   return measurement.metric.starts_with("budget_") || measurement.metric.starts_with("failure_");
 }
 
+bool is_of_reference(const Measurement& measurement) {
+  return measurement.metric.starts_with("reference_");
+}
+
 bool is_accuracy(const Measurement& measurement) {
   return !is_time(measurement) && !is_over_seeds(measurement) && !is_budget(measurement) &&
-         !compared_metric(measurement.metric);
+         !is_of_reference(measurement) && !compared_metric(measurement.metric);
 }
 
 bool comparable(const Measurement& a, const Measurement& b) {

@@ -41,6 +41,9 @@ std::optional<ComparedMetric> compared_metric(const std::string& metric);
 /// `budget_...` and `failure_...`: parts of the error (error_budget.h).
 bool is_budget(const Measurement& measurement);
 
+/// `reference_...`: how well the reference is known (certification.h).
+bool is_of_reference(const Measurement& measurement);
+
 /// A metric of one image against the reference: neither a time, nor over seeds, nor comparing, nor
 /// a part of the error.
 bool is_accuracy(const Measurement& measurement);

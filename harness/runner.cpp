@@ -7,12 +7,15 @@
 #include <nlohmann/json.hpp>
 
 #include "harness/cells.h"
+#include "harness/certification.h"
 #include "harness/environment_report.h"
 #include "harness/error_budget.h"
 #include "harness/experiment_figures.h"
 #include "harness/experiment_tables.h"
 #include "harness/measure.h"
 #include "harness/progress.h"
+#include "harness/reference_chain.h"
+#include "harness/run_facts.h"
 #include "harness/store.h"
 #include "harness/timing.h"
 #include "harness/version.h"
@@ -25,10 +28,7 @@ namespace {
 
 using nlohmann::json;
 
-struct PlannedKey {
-  PlannedCell planned;
-  CellKey key;
-};
+using PlannedKey = KeyedCell;
 
 struct PlannedBudget {
   BudgetCell cell;
@@ -74,6 +74,10 @@ class Run {
       CellKey key = cell_key(bench_, cell);
       cells_.push_back({std::move(cell), std::move(key)});
     }
+    if (experiment.reference) {
+      chain_.emplace(bench_, store_, cells_.front(),
+                     [this](const KeyedCell& part) { return read_cell(part); });
+    }
     if (experiment.budget) {
       for (BudgetCell& cell : plan_budget(plan(experiment, methods()))) {
         CellKey key = budget_key(bench_, cell, *experiment.budget);
@@ -103,9 +107,11 @@ class Run {
 
  private:
   void do_what_is_missing() {
-    const std::size_t rendered = render_missing() + converge_missing();
-    const std::string timing_key = make_timing_key();
     const json previous = read_previous();
+    const std::string reference_key = make_measuring_key();
+    std::size_t rendered = render_missing() + converge_missing();
+    rendered += sample_reference(previous, reference_key);
+    const std::string timing_key = timing_key_of(experiment_, bench_);
     const bool timed = previous.value("timing_key", "") == timing_key;
     const bool measured = previous.value("measuring_key", "") == make_measuring_key();
     if (rendered == 0 && timed && measured && outputs_exist()) {
@@ -136,6 +142,11 @@ class Run {
                   store_.folder() / "figures");
     json report = environment_report(experiment_, bench_);
     report["measuring_key"] = make_measuring_key();
+    if (chain_) {
+      report["reference"] = to_json(*certify(rows));
+      report["reference"].update(
+          {{"cell", chain_->mean().key.id()}, {"parts", chain_->parts()}, {"key", reference_key}});
+    }
     report["timing_key"] = timing_key;
     report["timing"] = timing_context;
     const TimingTableSettings table_settings = timing_table_settings(experiment_);
@@ -193,6 +204,42 @@ class Run {
     store_.write(cell.key, layers, cell_metadata(bench_, cell.planned, facts), json(facts));
   }
 
+  /// Traces more rays for the reference until it is certified or its budget ends. What an earlier
+  /// run came to for the same cells is taken from it. 0 where nothing was missing.
+  std::size_t sample_reference(const json& previous, const std::string& key) {
+    if (!chain_) return 0;
+    const json known = previous.value("reference", json::object());
+    if (known.value("key", "") == key) {
+      const auto parts = known.at("parts").get<std::vector<long>>();
+      for (std::size_t i = 1; i < parts.size(); ++i) chain_->extend(parts[i]);
+    } else if (experiment_.reference->max_rays_per_pixel) {
+      while (const long more = more_rays(judge_reference(), chain_->parts().front())) {
+        throw_if_interrupted();
+        fmt::print(stderr, "reference: {} rays a pixel are too few, {} more\n",
+                   chain_->rays_per_pixel(), more);
+        chain_->extend(more);
+      }
+    }
+    const bool finished = chain_->finished();
+    if (!finished) chain_->read();
+    cells_.front() = chain_->mean();
+    return finished ? 0 : 1;
+  }
+
+  /// Of the first seeds, and a little stricter than what is said of it in the end.
+  Certification judge_reference() {
+    const Layers layers = chain_->read();
+    const PlannedKey& mean = chain_->mean();
+    ReferenceSettings settings = *experiment_.reference;
+    settings.tolerance *= 0.97;
+    std::vector<Measurement> rows =
+        reference_rows({mean.planned, mean.key.id()}, layers, settings, identity());
+    const std::vector<Measurement> errors =
+        quick_errors(measured_cells(), layers, identity(), reader());
+    rows.insert(rows.end(), errors.begin(), errors.end());
+    return *certify(rows);
+  }
+
   std::size_t converge_missing() {
     std::size_t missing = 0;
     for (const PlannedBudget& budget : budgets_) {
@@ -240,6 +287,7 @@ class Run {
   /// Reads a cell; one that turns out damaged is rendered again, and said so.
   ReadLayers reader() {
     return [this](const MeasuredCell& cell) {
+      if (chain_ && cell.id == chain_->mean().key.id()) return chain_->read();
       const auto found = std::ranges::find_if(
           cells_, [&](const PlannedKey& candidate) { return candidate.key.id() == cell.id; });
       return read_cell(*found);
@@ -249,7 +297,7 @@ class Run {
   Layers read_cell(const PlannedKey& cell) {
     ReadCell read = store_.read(cell.key);
     if (!read.cell) {
-      warn_now(read.warning + "; rendered again");
+      if (!read.warning.empty()) warn_now(read.warning + "; rendered again");
       std::map<std::string, std::unique_ptr<OcclusionMethod>> instances;
       render(cell, instances);
       read = store_.read(cell.key);
@@ -272,6 +320,11 @@ class Run {
           throw_if_interrupted();
           progress.update(index, label(cells[index].planned));
         });
+    if (chain_) {
+      const std::vector<Measurement> of_reference =
+          reference_rows(cells.front(), chain_->read(), *experiment_.reference, identity());
+      rows.insert(rows.end(), of_reference.begin(), of_reference.end());
+    }
     for (const PlannedBudget& budget : budgets_) {
       throw_if_interrupted();
       const StoredBudget stored = read_budget(budget);
@@ -288,40 +341,12 @@ class Run {
     return rows;
   }
 
-  Measurement identity() const {
-    Measurement row;
-    row.experiment = experiment_.name;
-    row.scene = bench_.scene().name;
-    row.view = bench_.frame().view.camera.name;
-    row.resolution = fmt::format("{}x{}", experiment_.scene.width, experiment_.scene.height);
-    row.probe = describe(bench_.probe());
-    row.device = fmt::format("{} ({})", bench_.device().renderer,
-                             bench_.device().software ? "software" : "hardware");
-    return row;
-  }
+  Measurement identity() const { return shared_facts(experiment_, bench_); }
 
   std::string make_measuring_key() const {
     std::string text = experiment_.resolved + std::string(harness_hash);
     for (const PlannedKey& cell : cells_) text += cell.key.hash();
     for (const PlannedBudget& budget : budgets_) text += budget.key.hash();
-    return sha256_text(text);
-  }
-
-  /// Times depend on the code, the device and what is asked for, not on the cells.
-  std::string make_timing_key() const {
-    std::string text = fmt::format("{} {} {} {}", renderers_hash, harness_hash,
-                                   bench_.device().renderer, bench_.device().version);
-    text += fmt::format(" {} {} {}", bench_.scene_hash(), bench_.frame().view.camera.name,
-                        bench_.probe_hash());
-    text += fmt::format(" {}x{} {}", experiment_.scene.width, experiment_.scene.height,
-                        describe(bench_.probe()));
-    if (const auto& timing = experiment_.timing) {
-      text +=
-          fmt::format(" {} {} {}", timing->baseline, timing->repetitions, timing->budget_seconds);
-    }
-    for (const PlannedCell& cell : plan_timing(experiment_, methods())) {
-      text += fmt::format(" {} {}", cell.method, cell.parameters.to_string());
-    }
     return sha256_text(text);
   }
 
@@ -348,13 +373,14 @@ class Run {
 
   bool outputs_exist() const {
     return fs::exists(measurements_path()) && fs::exists(store_.folder() / "tables") &&
-           fs::exists(store_.folder() / "figures");
+           (experiment_.figures.empty() || fs::exists(store_.folder() / "figures"));
   }
 
   const Experiment& experiment_;
   Workbench bench_;
   CellStore store_;  // after bench_: a run that cannot start leaves the folder as it was
-  std::vector<PlannedKey> cells_;
+  std::vector<PlannedKey> cells_;  ///< the reference first, that of all its rays at last
+  std::optional<ReferenceChain> chain_;
   std::vector<PlannedBudget> budgets_;
   std::vector<std::string> warnings_;
 };
