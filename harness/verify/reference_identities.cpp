@@ -40,11 +40,12 @@ using Replicate = std::array<Image, layer_names.size()>;
 
 class TracedRepresentations {
  public:
-  TracedRepresentations(const Frame& frame, const ParameterSet& parameters)
+  TracedRepresentations(const Frame& frame, const PassConstants& constants,
+                        const CpuLighting& lighting)
       : surface_(frame.surface()),
-        constants_(pass_constants(parameters)),
-        lighting_(frame.lighting, constants_),
-        visibility_(traced_visibility(frame.traced(), frame.view, constants_)) {}
+        constants_(constants),
+        lighting_(lighting),
+        visibility_(traced_visibility(frame.traced(), frame.view, constants)) {}
 
   Replicate render(int directions, std::uint64_t seed) const {
     const std::array<const Representation*, 3> representations = {
@@ -67,8 +68,8 @@ class TracedRepresentations {
 
  private:
   const GBufferImages& surface_;
-  PassConstants constants_;
-  CpuLighting lighting_;
+  const PassConstants& constants_;
+  const CpuLighting& lighting_;
   VisibilitySource visibility_;
 };
 
@@ -173,11 +174,12 @@ Environment order4_environment(const Environment& probe, int width) {
   result.name = fmt::format("{}, order 4", probe.name);
   result.probe_from_world = probe.probe_from_world;
   const ShRgb light = project_sh(probe, glm::transpose(probe.probe_from_world));
-  result.texels = Image(width, width / 2, 3);
+  const int height = width / 2;
+  result.texels = Image(width, height, 3);
   std::array<float, 3> lowest{};
-  for (int y = 0; y < width / 2; ++y) {
+  for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
-      const glm::vec2 uv((float(x) + 0.5f) / float(width), (float(y) + 0.5f) / float(width / 2));
+      const glm::vec2 uv = (glm::vec2(x, y) + 0.5f) / glm::vec2(width, height);
       const glm::vec3 radiance = sh_dot_rgb(light, sh_basis(equirect_direction(uv)));
       for (int c = 0; c < 3; ++c) {
         result.texels.at(x, y, c) = radiance[c];
@@ -197,7 +199,9 @@ ReferenceComparison compare_to_reference(const Frame& frame, const ParameterSet&
     throw InputError(
         fmt::format("replicates: found {}; accepted: 4 and more", replication.replicates));
   }
-  const TracedRepresentations representations(frame, parameters);
+  const PassConstants constants = pass_constants(parameters);
+  const CpuLighting lighting(frame.lighting, constants);
+  const TracedRepresentations representations(frame, constants, lighting);
   std::vector<Replicate> traced;
   std::vector<Replicate> reference;
   for (int r = 0; r < replication.replicates; ++r) {

@@ -71,12 +71,13 @@ VisibilitySource visibility_of(const Frame& frame, const ParameterSet& parameter
 /// The images of one frame that all identities share.
 class Identities {
  public:
-  Identities(const Frame& frame, const ParameterSet& parameters)
+  Identities(const Frame& frame, const ParameterSet& parameters, const PassConstants& constants,
+             const CpuLighting& lighting)
       : frame_(frame),
         parameters_(parameters),
-        constants_(pass_constants(parameters)),
+        constants_(constants),
         surface_(frame.surface(gbuffer_bits(parameters))),
-        lighting_(frame.lighting, constants_),
+        lighting_(lighting),
         visibility_(visibility_of(frame, parameters, surface_, constants_)),
         samples_(make_sample_set(constants_.samples, std::uint64_t(parameters.integer("seed")))) {}
 
@@ -194,9 +195,9 @@ class Identities {
 
   const Frame& frame_;
   const ParameterSet& parameters_;
-  PassConstants constants_;
+  const PassConstants& constants_;
   const GBufferImages& surface_;
-  CpuLighting lighting_;
+  const CpuLighting& lighting_;
   VisibilitySource visibility_;
   SampleSet samples_;
 };
@@ -204,7 +205,9 @@ class Identities {
 }  // namespace
 
 LayerAgreement representation_identities(const Frame& frame, const ParameterSet& parameters) {
-  return Identities(frame, parameters).all();
+  const PassConstants constants = pass_constants(parameters);
+  const CpuLighting lighting(frame.lighting, constants);
+  return Identities(frame, parameters, constants, lighting).all();
 }
 
 }  // namespace occlab
