@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -110,9 +111,20 @@ std::vector<JsonValue> JsonValue::array(const char* key) const {
   return elements;
 }
 
+void JsonValue::require_keys(const std::vector<std::string>& accepted) const {
+  for (const std::string& key : keys()) {
+    if (std::ranges::find(accepted, key) == accepted.end()) {
+      fail(fmt::format("unknown key '{}'{}", key, accepted_words(key, accepted)));
+    }
+  }
+}
+
+std::string JsonValue::where() const {
+  return place_.empty() ? file_->string() : fmt::format("{}: {}", file_->string(), place_);
+}
+
 void JsonValue::fail(const std::string& message) const {
-  throw InputError(place_.empty() ? fmt::format("{}: {}", file_->string(), message)
-                                  : fmt::format("{}: {}: {}", file_->string(), place_, message));
+  throw InputError(fmt::format("{}: {}", where(), message));
 }
 
 void JsonValue::wrong_type(std::string_view accepted) const {

@@ -31,6 +31,8 @@ class JsonValue {
   std::size_t array_size() const;
   /// The keys of this object.
   std::vector<std::string> keys() const;
+  /// Throws InputError for a key of this object that is not accepted.
+  void require_keys(const std::vector<std::string>& accepted) const;
 
   std::string text() const;
   double number() const;  ///< finite
@@ -47,6 +49,8 @@ class JsonValue {
   /// The array called `key`, as values; none if it is absent.
   std::vector<JsonValue> array(const char* key) const;
 
+  /// "FILE: PLACE", as messages begin.
+  std::string where() const;
   /// Throws InputError "FILE: PLACE: message".
   [[noreturn]] void fail(const std::string& message) const;
 

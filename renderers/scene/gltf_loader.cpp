@@ -295,7 +295,7 @@ class SceneLoader {
     const auto extras = root_scene.find("extras");
     const auto ours = extras ? extras->find("occlab") : std::nullopt;
     if (!ours) return;
-    require_keys(*ours, {"format", "lights", "resolution", "warnings", "world"});
+    ours->require_keys({"format", "lights", "resolution", "warnings", "world"});
     const JsonValue format = ours->at("format");
     if (format.unsigned_integer() != 1) {
       format.fail(fmt::format("found {}; accepted: 1", format.unsigned_integer()));
@@ -306,14 +306,14 @@ class SceneLoader {
     const auto world = ours->find("world");
     if (!world) return;
     if (const auto radiance = world->find("radiance")) {
-      require_keys(*world, {"radiance"});
+      world->require_keys({"radiance"});
       const std::vector<double> rgb = radiance->numbers(3);
       scene_.warnings.push_back(
           fmt::format("the world's constant radiance {:g} {:g} {:g} is not used; choose a probe",
                       rgb[0], rgb[1], rgb[2]));
       return;
     }
-    require_keys(*world, {"probe", "rotation_degrees", "strength"});
+    world->require_keys({"probe", "rotation_degrees", "strength"});
     SceneEnvironment environment;
     environment.probe = world->at("probe").text();
     environment.rotation_degrees = float(world->number_or("rotation_degrees", 0.0));
@@ -323,14 +323,6 @@ class SceneLoader {
       world->at("strength").fail("is negative; accepted: at least 0");
     }
     scene_.environment = environment;
-  }
-
-  static void require_keys(const JsonValue& object, const std::vector<std::string>& accepted) {
-    for (const std::string& key : object.keys()) {
-      if (std::ranges::find(accepted, key) == accepted.end()) {
-        object.fail(fmt::format("unknown key '{}'{}", key, accepted_words(key, accepted)));
-      }
-    }
   }
 
   void warn_of_whole_file() {
