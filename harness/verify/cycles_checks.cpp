@@ -21,6 +21,8 @@ namespace occlab {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr double aimed_time_ratio = 5.0;
+
 void require_settings(const CyclesSettings& settings) {
   const auto require = [](bool good, std::string_view key, auto found, std::string_view accepted) {
     if (!good) {
@@ -114,15 +116,15 @@ Check time_check(const RendererComparison& comparison, const SeededRendering& ou
           .name = name,
           .quantity = "equal-error time: Cycles / RTDO",
           .measured = theirs.seconds / our_seconds,
-          .expected = 5.0,
+          .expected = aimed_time_ratio,
           .bound = std::numeric_limits<double>::infinity(),
-          .rule = "reported, not judged",
+          .rule = fmt::format("aimed at, not judged: to {:.2f}% RMS error RTDO takes {:.2f} s, "
+                              "Cycles {:.2f} s; before that, BVH and so on, {:.2f} s and {:.2f} s",
+                              100.0 * comparison.rms_error_b, our_seconds, theirs.seconds,
+                              ours.prepare_seconds, theirs.prepare_seconds),
           .passes = true,
-          .detail = fmt::format(
-              "RTDO {:.2f} s, Cycles {:.2f} s to {:.3f}% RMS standard error; before that {:.2f} s "
-              "and {:.2f} s; rendered: RTDO {:.2f} s to {:.3f}%",
-              our_seconds, theirs.seconds, 100.0 * comparison.rms_error_b, ours.prepare_seconds,
-              theirs.prepare_seconds, ours.seconds, 100.0 * comparison.rms_error_a)};
+          .detail = fmt::format("RTDO rendered {:.2f} s to {:.3f}%", ours.seconds,
+                                100.0 * comparison.rms_error_a)};
 }
 
 void write_images(const fs::path& path, const RendererComparison& comparison, const Image& mask) {

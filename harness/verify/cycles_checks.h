@@ -33,6 +33,9 @@ struct CyclesSettings {
   std::filesystem::path output;
 };
 
+/// Probability of a false alarm of the two shares below.
+inline constexpr double cycles_family_level = 2e-6;
+
 /// Renders the view with RTDO at unlimited distance and with Cycles (direct environment light of
 /// the same texels, no filter, no clamp), and its ambient occlusion with both, and compares them.
 /// Subject "cycles". Pixels near silhouettes are left out. Rows:
@@ -41,7 +44,7 @@ struct CyclesSettings {
 ///   - the share of pixels that differ by more than 3 sigma of the noise of both, against what
 ///     noise alone gives;
 ///   - the ratio of the means over the picture;
-///   - the times for equal error, which are reported and judged by nobody.
+///   - the ratio of the times for equal error, which is reported and not judged.
 /// Throws InputError for settings out of range, a scene that cannot be compared and where there is
 /// no such Blender; DeviceError where Blender fails or its image is not what was asked for.
 Checks verify_cycles(const CyclesSettings& settings);

@@ -13,7 +13,6 @@ namespace occlab {
 namespace {
 
 constexpr double accepted_difference = 0.005;
-constexpr double share_false_alarms = 1e-6;
 
 std::string channel_name(const RendererComparison& comparison, int channel) {
   if (comparison.z.channels() == 1) return "";

@@ -7,10 +7,13 @@
 
 namespace occlab {
 
+/// Probability that a comparison of equal renderers counts too many pixels beyond 3 sigma.
+inline constexpr double share_false_alarms = 1e-6;
+
 /// What two renderings of one integral must satisfy; subject "cycles", case `name`:
 ///   - the 95% interval of every block's relative difference lies within 0.5%: "could not resolve"
 ///     if it reaches beyond on noise alone;
-///   - no more pixels differ by 3 sigma than noise gives, at a false-alarm rate of 1e-6;
+///   - no more pixels differ by 3 sigma than noise gives, at share_false_alarms;
 ///   - the 95% interval of the whole picture's relative difference lies within 0.5%.
 /// Throws InputError where no block has pixels enough.
 Checks judge_comparison(const RendererComparison& comparison, const std::string& name);
