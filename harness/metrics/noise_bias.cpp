@@ -128,10 +128,13 @@ std::optional<Interval> logarithmic_interval(double value, std::span<const doubl
   return Interval{value * std::exp(-half), value * std::exp(half), confidence};
 }
 
+// Pixels of a traced reference that share their rays' random numbers: a tile of 4x4.
+constexpr double sharing_pixels = 16.0;
+
 // The part of the variance of bias^2 that comes from the reference r = t + delta with independent
 // Gaussian delta: Var(-2 b delta + delta^2) = 4 b^2 sigma^2 + 2 sigma^4 a value, where b^2 is known
 // as (xbar - r)^2 - s^2/K - sigma^2. Channels share their rays, so their deltas count as one
-// (Cauchy-Schwarz), pixels do not.
+// (Cauchy-Schwarz); so do those of the pixels of a tile.
 double reference_error(const RunStatistics& runs, std::span<const float> reference,
                        std::span<const float> variances, double scale) {
   const auto count = static_cast<double>(runs.runs());
@@ -144,7 +147,7 @@ double reference_error(const RunStatistics& runs, std::span<const float> referen
   }
   const auto channels = static_cast<double>(runs.channels());
   const double pixels = static_cast<double>(reference.size()) / channels;
-  return scale * scale * std::sqrt(std::max(0.0, sum / channels)) / pixels;
+  return scale * scale * std::sqrt(sharing_pixels * std::max(0.0, sum / channels)) / pixels;
 }
 
 Interval bias_interval(const Interval& squared) {

@@ -64,8 +64,8 @@ struct Estimate {
 /// Intervals: delete-one jackknife over the runs with Student's t of K - 1 degrees of freedom, on a
 /// logarithmic scale for the noise. They speak about other seeds for these very pixels; other views
 /// and scenes are for the statistics over cells. The interval of the bias also holds the
-/// reference's own noise, taken as independent between pixels and, on the safe side, as fully
-/// correlated between channels.
+/// reference's own noise; on the safe side it is taken as fully correlated between the channels and
+/// between the 16 pixels of a tile, which share their random numbers (trace/reference.h).
 ///
 /// Coverage of nominal 95% intervals, simulated with K = 8 and 16: noise and noise ratio 93-95%,
 /// whether pixels err independently or all alike; bias^2 95% and more for independent pixels, but
