@@ -10,13 +10,13 @@ from support import (METHODS, ROOT, CliTest, exr_pixels, interleave, occlab, rea
 class Help(CliTest):
     def test_the_program_names_its_verbs_and_exit_codes(self):
         text = self.good("--help").stdout
-        for verb in ("run", "render", "compare", "table", "list", "export"):
+        for verb in ("run", "render", "compare", "table", "verify", "list", "export"):
             self.assertRegex(text, rf"(?m)^  {verb} ")
         for meaning in ("0 good", "1 a check failed", "2 bad usage or bad input", "3 the device"):
             self.assertIn(meaning, text)
 
     def test_every_verb_has_help(self):
-        for verb in ("run", "render", "compare", "table", "list", "export"):
+        for verb in ("run", "render", "compare", "table", "verify", "list", "export"):
             with self.subTest(verb):
                 self.assertIn(f"occlab {verb} [OPTIONS]", self.good(verb, "--help").stdout)
 
