@@ -161,6 +161,10 @@ class Run {
                                  {"method", cell.planned.method},
                                  {"parameters", cell.planned.parameters.to_string()}});
     }
+    for (const PlannedBudget& budget : budgets_) {
+      report["cells"].push_back(
+          {{"id", budget.key.id()}, {"hash", budget.key.hash()}, {"budget", budget.key.facts()}});
+    }
     write_text_atomically(report_path(), report.dump(2) + "\n");
     fmt::print("{}", format_tables(tables, "md"));
   }
