@@ -63,7 +63,7 @@ constexpr Subject subjects[] = {
        return verify_representations({.device = options.device, .output = options.output});
      }},
     {"metrics", false, true, 0.0, [](const VerifyOptions&) { return verify_metrics(); }},
-    {cycles_subject, false, false, 0.0,
+    {cycles_subject, false, false, cycles_family_level,
      [](const VerifyOptions& options) { return verify_cycles(cycles_settings(options)); }},
 };
 
