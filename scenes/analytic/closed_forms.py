@@ -88,7 +88,8 @@ def sh_basis(d):
             math.sqrt(15) * x * y / (2 * s), -math.sqrt(15) * y * z / (2 * s),
             math.sqrt(5) * (3 * z * z - 1) / (4 * s), -math.sqrt(15) * x * z / (2 * s),
             math.sqrt(15) * (x * x - y * y) / (4 * s),
-            -math.sqrt(70) * y * (3 * x * x - y * y) / (8 * s), math.sqrt(105) * x * y * z / (2 * s),
+            -math.sqrt(70) * y * (3 * x * x - y * y) / (8 * s),
+            math.sqrt(105) * x * y * z / (2 * s),
             -math.sqrt(42) * y * (5 * z * z - 1) / (8 * s),
             math.sqrt(7) * z * (5 * z * z - 3) / (4 * s),
             -math.sqrt(42) * x * (5 * z * z - 1) / (8 * s),
@@ -104,9 +105,9 @@ def at_zonal(z):
 
 
 def march(eye, first_surface, p, n, d_max, steps, bias=1e-4, epsilon=1e-4, heights=96, azimuths=96,
-          offsets=24):
+          offsets=24, through=lambda d: 0.0):
     """What the screen-space march finds at p with normal n through pixels of no size: the mean
-    over the hemisphere of (V, 2 V cos).
+    over the hemisphere of (V, 2 V cos). A blocker at distance d lets through(d) through.
 
     first_surface(q): the point that `eye` sees in the direction of q; None where that is nothing.
     A surface blocks where it is nearer than the sample, above the tangent plane and within d_max
@@ -123,7 +124,7 @@ def march(eye, first_surface, p, n, d_max, steps, bias=1e-4, epsilon=1e-4, heigh
         for j in range(azimuths):
             phi = 2.0 * PI * (j + 0.5) / azimuths
             s = add(scale(r * math.cos(phi), x), scale(r * math.sin(phi), y), scale(h, n))
-            visible = 0
+            visible = 0.0
             for o in range(offsets):
                 xi = (o + 0.5) / offsets
                 for k in range(steps):
@@ -133,9 +134,10 @@ def march(eye, first_surface, p, n, d_max, steps, bias=1e-4, epsilon=1e-4, heigh
                         continue
                     to = add(seen, scale(-1.0, p))
                     if dot(to, n) > epsilon and dot(to, to) <= d_max * d_max:
+                        visible += through(math.sqrt(dot(to, to)))
                         break
                 else:
-                    visible += 1
+                    visible += 1.0
             uniform += visible / offsets
             cosine += 2.0 * h * visible / offsets
     count = heights * azimuths

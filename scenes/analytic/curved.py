@@ -176,8 +176,8 @@ def closed_sphere():
             settings=["d_max_world=inf"])
         K = 2.0
         k = agrees(1 - 2 / K + 2 * math.log(1 + K) / K ** 2, 0.549306)
-        ray(scene, f"{place}, lambda, K = 2", "k = 1 - 2/K + 2 ln(1 + K)/K^2, K = 2 R lambda", p, n, k,
-            2 * (FACETS + scene.lift()), TESSELLATION,
+        ray(scene, f"{place}, lambda, K = 2", "k = 1 - 2/K + 2 ln(1 + K)/K^2, K = 2 R lambda", p, n,
+            k, 2 * (FACETS + scene.lift()), TESSELLATION,
             settings=["d_max_world=inf", "weight=lambda", "lambda_per_world=1"])
         scene.case(f"{place}, lambda, K = 2, traced",
                    "k = 1 - 2/K + 2 ln(1 + K)/K^2, K = 2 R lambda", ["ssao", "s3ho"],
@@ -188,7 +188,7 @@ def closed_sphere():
 
 
 def strata(visible, k, N=256):
-    """How far N stratified heights are from k, where what is visible depends on the height alone."""
+    """How far N stratified heights are from k, where only the height decides what is visible."""
     heights = [(i + 0.5) / N for i in range(N)]
     return abs(2 / N * sum(z for z in heights if visible(z)) - k)
 
@@ -224,7 +224,8 @@ def well():
     scene.case("centre of the floor, traced", "uniform: 1 - cos alpha", ["ssbn"],
                "uniform_occlusion", 1 - c, bound, why, settings=settings, view=view)
     scene.case("centre of the floor, bent normal, traced", "|N| = (1 + cos alpha)/2", ["ssbn"],
-               "bent_normal", [0, 0, 0.5 * (1 + c)], bound + 1e-3, why, settings=settings, view=view)
+               "bent_normal", [0, 0, 0.5 * (1 + c)], bound + 1e-3, why, settings=settings,
+               view=view)
     zonal = [math.sqrt(PI) / 2 * (1 - c * c), math.sqrt(3 * PI) / 3 * (1 - c ** 3),
              math.sqrt(5 * PI) / 8 * (1 - c * c) * (1 + 3 * c * c),
              math.sqrt(7 * PI) / 2 * c ** 3 * (1 - c * c)]
@@ -258,5 +259,5 @@ def marched_well(scene, h):
         source = "the march against a cylinder instead of pixels, by quadrature"
         for method, layer, value in (("ssao", "ambient_occlusion", k),
                                      ("ssbn", "uniform_occlusion", uniform)):
-            scene.case(f"centre of the floor, S = {steps}", source, [method], layer, value, 8e-3, why,
-                       settings=settings, view=view)
+            scene.case(f"centre of the floor, S = {steps}", source, [method], layer, value, 8e-3,
+                       why, settings=settings, view=view)

@@ -130,7 +130,7 @@ class SceneFile:
         return 0.5e-4 * math.dist(low, high)
 
     def case(self, name, source, methods, quantity, expected=None, bound=0.0, why="", **keys):
-        """`expected` may be a number; `keys` are the further keys of a case, `set` as `settings`."""
+        """`expected` may be a number; `keys` are a case's further keys, `set` as `settings`."""
         case = {"name": name, "source": source, "methods": list(methods), "quantity": quantity}
         if "settings" in keys:
             case["set"] = keys.pop("settings")

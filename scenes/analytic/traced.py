@@ -8,6 +8,9 @@ RAYS = 4096
 CLOSE = [4, 4]  # pixels: each of the 16 sample sets once
 HALVES = 5e-4
 FLOATS = "half floats"
+SKY = "texels of a linear sky"
+LINEAR = {"linear": {"constant": [1, 1, 1], "x": [-0.5, 0, 0], "y": [0, 0.7, 0],
+                     "z": [0.5, 0, 0.8]}}
 MARCHED = ["samples=128", "filter=none", "bias_world=1e-4", "epsilon_world=1e-4"]
 
 

@@ -66,7 +66,8 @@ class OwnCases(VerifyTest):
     def test_a_good_case_passes(self):
         finished = self.verify("--cases", self.scene(POINT, VIEW))
         self.assertEqual(finished.returncode, 0, finished.stdout + finished.stderr)
-        self.assertRegex(finished.stdout, r"\| reference +\| own: corner +\| rtdo ambient_occlusion")
+        self.assertRegex(finished.stdout,
+                         r"\| reference +\| own: corner +\| rtdo ambient_occlusion")
         self.assertRegex(finished.stdout, r"\| passes +\| own: white +\| s3ho radiance")
         self.assertRegex(finished.stdout, r"standard errors \(t, 15 d\.f\., Sidak over 1 tests at "
                                           r"1e-06\)")
@@ -111,7 +112,8 @@ class OwnCases(VerifyTest):
     def test_one_subject(self):
         finished = self.verify("--only", "metrics")
         self.assertEqual(finished.returncode, 0, finished.stdout)
-        self.assertEqual(set(re.findall(r"(?m)^\| (\w+) ", finished.stdout)), {"subject", "metrics"})
+        self.assertEqual(set(re.findall(r"(?m)^\| (\w+) ", finished.stdout)),
+                         {"subject", "metrics"})
 
 
 class BadInput(VerifyTest):

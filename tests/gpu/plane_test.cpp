@@ -16,14 +16,6 @@ const View straight_down = look_at({0, 5, 0}, {0, 0, 0}, 0.6f, 32, 20, {0, 0, -1
 const View oblique = look_at({1, 4, 5}, {0, 0, 0}, 0.6f, 32, 20);
 const View grazing = look_at({0, 0.4f, 4}, {0, 0, 0}, 0.15f, 32, 20);
 
-Environment linear_sky() {
-  return probe_of(256, [](glm::vec3 d) {
-    return glm::vec3(1 + 0.5f * d.y, 1 - 0.5f * d.x + 0.3f * d.z, 1 + 0.8f * d.z);
-  });
-}
-/// Of linear_sky() on a surface that faces up: pi a + (2 pi/3) b.n.
-const glm::dvec3 linear_sky_irradiance(pi_d + pi_d / 3, pi_d, pi_d);
-
 /// The means of a layer's channels over the image, one a seed.
 std::array<std::vector<double>, 3> image_means(const TestFrame& frame, const std::string& method,
                                                const std::string& layer, Values values, int seeds) {
@@ -64,20 +56,6 @@ TEST(OpenPlane, NothingIsOccludedAndAUniformSkyIsWhite) {
             }
           }
         }
-      }
-    }
-  }
-}
-
-TEST(OpenPlane, LinearSky) {
-  for (const View& view : {straight_down, oblique}) {
-    const TestFrame frame(open_floor(), view, linear_sky());
-    for (const std::string& method : screen_space_methods) {
-      const auto means = image_means(frame, method, "radiance", {{"samples", 128L}}, 4);
-      for (int c = 0; c < 3; ++c) {
-        // Half floats and the 128x64 texels of the cone levels: 2^-10 of the terms' sum each.
-        EXPECT_TRUE(agrees(mean_of(means[c]), linear_sky_irradiance[c] / pi_d, 2e-3))
-            << method << " " << c;
       }
     }
   }
