@@ -11,9 +11,10 @@
 namespace occlab {
 namespace {
 
-constexpr std::size_t triangle_capacity = 2048;
 /// Balls of triangles that are seen within this angle are not looked at more closely.
-constexpr float narrow_cosine = 0.985f;
+constexpr float narrow_cosine = 0.7f;
+/// Of half the angle between two pixels' frames: with more, cells would tell little.
+constexpr float max_half_sine = 0.25f;
 /// Added to every cell's angle, rad: rounding, and what the sampled outlines miss.
 constexpr double cell_margin = 2e-3;
 static_assert(tangent_cells % 8 == 0 && cube_cells % 8 == 0);
@@ -107,7 +108,6 @@ TileCandidates::TileCandidates(const TriangleTree& tree)
   const TriangleTree::Node& root = tree.nodes().front();
   scene_center_ = 0.5f * (root.lower + root.upper);
   scene_radius_ = 0.5f * length(root.upper - root.lower);
-  triangles_.reserve(triangle_capacity);
 }
 
 /// False if the pixels differ so much that cells would tell little.
@@ -144,7 +144,7 @@ bool TileCandidates::set_tile(const TileFrame& tile, float reach, float toleranc
   horizon_ = lowest + (reach_ + radius_) * spread_ + tolerance;
   // Two rotations that differ by the angle a have a Frobenius distance of sqrt(8) sin(a/2).
   const float half_sine = std::sqrt(turn / 8.0f) + 1e-6f;
-  if (half_sine > 0.25f) return false;
+  if (half_sine > max_half_sine) return false;
   const float half_cosine = std::sqrt(1.0f - half_sine * half_sine);
   const float sine = 2.0f * half_sine * half_cosine;
   const float cosine = 1.0f - 2.0f * half_sine * half_sine;
@@ -206,8 +206,9 @@ void TileCandidates::restrict(CellMask& mask, const Caps&... caps) const {
 
 TileCandidates::CellMask TileCandidates::cells_above_horizon() const {
   CellMask mask{};
-  for (std::size_t c = first_cell_; c < last_cell_; ++c)
+  for (std::size_t c = first_cell_; c < last_cell_; ++c) {
     mask[c / 64] |= std::uint64_t(1) << (c % 64);
+  }
   // The directions of the cube's cells that are above no horizon are never asked for.
   const float sine = spread_;
   restrict(mask, Cap{normal_, -sine, std::sqrt(std::max(1.0f - sine * sine, 0.0f))});
@@ -248,17 +249,16 @@ bool TileCandidates::open(CellMask& mask) const {
   return any != 0;
 }
 
-void TileCandidates::add_triangle(const TriangleTree::Triangle& triangle, CellMask mask,
-                                  bool narrow) {
+void TileCandidates::add_triangle(std::uint32_t index, CellMask mask) {
+  const TriangleTree::Triangle& triangle = tree_.triangles()[index];
   const glm::vec3 a = triangle.corner - center_;
   const glm::vec3 b = a + triangle.edge1;
   const glm::vec3 c = a + triangle.edge2;
   if (std::max({dot(a, normal_), dot(b, normal_), dot(c, normal_)}) < -horizon_) return;
 
-  const glm::vec3 normal = cross(triangle.edge1, triangle.edge2);
+  const glm::vec3 normal = triangle.normal();
   const float size = length(normal);
   if (!(size > 0.0f)) return;
-  if (narrow) return list(triangle, normal, mask);
   Cap plane;
   const glm::vec3 nearest = max(max(min(a, min(b, c)), -max(a, max(b, c))), glm::vec3(0.0f));
   float distance = length(nearest);
@@ -283,25 +283,20 @@ void TileCandidates::add_triangle(const TriangleTree::Triangle& triangle, CellMa
     const float shift = radius_ / distance;
     const float shift_cosine = std::sqrt(1.0f - shift * shift);
     const float cosine = cap * shift_cosine - cap_sine * shift;
-    if (cosine > -0.5f) outline = {axis, cosine, cap_sine * shift_cosine + cap * shift};
+    if (cosine > 0.2f) outline = {axis, cosine, cap_sine * shift_cosine + cap * shift};
   }
   restrict(mask, plane, outline);
-  list(triangle, normal, mask);
+  list({index & 0x7fffffffu, 0}, mask);
 }
 
-void TileCandidates::list(const TriangleTree::Triangle& triangle, const glm::vec3& normal,
-                          CellMask mask) {
+void TileCandidates::list(Entry entry, CellMask mask) {
   if (!open(mask)) return;
-  if (triangles_.size() == triangle_capacity) return mark_many(mask);
-
-  const auto index = std::uint16_t(triangles_.size());
-  triangles_.push_back({triangle.corner, triangle.edge1, triangle.edge2, normal});
   for (std::size_t w = 0; w < words; ++w) {
     for (std::uint64_t rest = mask[w]; rest; rest &= rest - 1) {
       const int bit = std::countr_zero(rest);
       const std::size_t cell = w * 64 + std::size_t(bit);
       if (counts_[cell] < list_capacity) {
-        lists_[cell * list_capacity + std::size_t(counts_[cell])] = index;
+        lists_[cell * list_capacity + std::size_t(counts_[cell])] = entry;
       } else {
         many_[w] |= std::uint64_t(1) << bit;
       }
@@ -322,14 +317,12 @@ void TileCandidates::visit(std::uint32_t index, CellMask mask) {
   const Cap cap = cap_of_ball(offset, distance, length(half));
   if (cap.cosine > 0.5f) restrict(mask, cap);  // wider ones tell little
   if (!open(mask)) return;
+  // Not looked at more closely: their rays will be.
+  if (cap.cosine > narrow_cosine) return list({index & 0x7fffffffu, 1}, mask);
   if (node.leaf) {
-    for (std::uint32_t i = 0; i < node.count; ++i) {
-      add_triangle(tree_.triangles()[node.link + i], mask, cap.cosine > narrow_cosine);
-    }
+    for (std::uint32_t i = 0; i < node.count; ++i) add_triangle(node.link + i, mask);
     return;
   }
-  // Many triangles in few directions: their lists would be too long.
-  if (node.count > 2 * list_capacity && cap.cosine > narrow_cosine) return mark_many(mask);
   stack_.push_back({node.link, mask});
   stack_.push_back({index + 1, mask});
 }
@@ -338,25 +331,21 @@ void TileCandidates::fill(const TileFrame& tile, float reach, float tolerance, C
                           int budget) {
   counts_.fill(0);
   many_.fill(0);
-  triangles_.clear();
   stack_.clear();
   first_cell_ = kinds == CellKinds::cube ? tangent_cells : 0;
   last_cell_ = kinds == CellKinds::tangent ? tangent_cells : direction_cells;
-  CellMask all;
-  all.fill(~std::uint64_t(0));
-  if constexpr (direction_cells % 64 != 0)
-    all.back() = (std::uint64_t(1) << (direction_cells % 64)) - 1;
-  if (!set_tile(tile, reach, tolerance)) return mark_many(all);
+  if (!set_tile(tile, reach, tolerance)) return many_.fill(~std::uint64_t(0));
   const CellMask asked = cells_above_horizon();
+  // With most cells full, the rest would not repay the work.
   const int hopeless = count(asked) * 3 / 4;
   stack_.push_back({0, asked});
   for (int visits = 0; !stack_.empty(); ++visits) {
     if (visits == budget || (visits % 32 == 31 && count(many_) > hopeless)) break;
-    const Entry entry = stack_.back();
+    const Visit next = stack_.back();
     stack_.pop_back();
-    visit(entry.node, entry.mask);
+    visit(next.node, next.mask);
   }
-  for (const Entry& entry : stack_) mark_many(entry.mask);
+  for (const Visit& rest : stack_) mark_many(rest.mask);
 }
 
 }  // namespace occlab

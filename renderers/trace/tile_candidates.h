@@ -12,8 +12,9 @@ namespace occlab {
 
 /// The rays of a tile in 5 dimensions, after Arvo and Kirk 1987, "Fast Ray Tracing by Ray
 /// Classification": 16 neighbouring origins, directions in cells, and for each cell the list of all
-/// triangles that any ray of the cell can meet. Near a flat wall most lists are empty, and their
-/// rays need not be traced to be known; those with few triangles are cheaper to test than to trace.
+/// that any ray of the cell can meet: single triangles that are near, and subtrees that are seen
+/// within a small angle. Near a flat wall most lists are empty, and their rays are known without
+/// being traced; the others begin far down the tree, in the few parts that matter to them.
 
 /// Cells of directions in the tangent frame of each pixel, by its cosine-mapping: u = sin^2 theta,
 /// v = phi / 2 pi.
@@ -49,15 +50,17 @@ enum class CellKinds { tangent, cube, both };
 
 class TileCandidates {
  public:
-  struct Triangle {
-    glm::vec3 corner, edge1, edge2, normal;  ///< normal: edge1 x edge2
+  /// A triangle of the tree, or all that is below a node.
+  struct Entry {
+    std::uint32_t index : 31;
+    std::uint32_t node : 1;
   };
-  /// More than this are not worth testing one by one.
-  static constexpr int list_capacity = 32;
+  /// With more, Embree is faster.
+  static constexpr int list_capacity = 64;
   struct List {
     bool many;  ///< too many, or not known: not listed
     int count;
-    const std::uint16_t* triangles;  ///< of triangle()
+    const Entry* entries;
   };
 
   explicit TileCandidates(const TriangleTree& tree);
@@ -72,7 +75,6 @@ class TileCandidates {
     const auto c = std::size_t(cell);
     return {(many_[c / 64] >> (c % 64) & 1) != 0, counts_[c], &lists_[c * list_capacity]};
   }
-  const Triangle& triangle(std::uint16_t index) const { return triangles_[index]; }
 
  private:
   static constexpr int words = (direction_cells + 63) / 64;
@@ -80,7 +82,7 @@ class TileCandidates {
   /// Directions within an angle of an axis.
   struct Cap {
     glm::vec3 axis{0.0f};
-    float cosine = -4.0f;  ///< below -1: all directions
+    float cosine = -100.0f;  ///< below -1: all directions
     float sine = 0.0f;
   };
 
@@ -90,8 +92,8 @@ class TileCandidates {
   bool below_horizon(const glm::vec3& offset, float extent) const;
   Cap cap_of_ball(const glm::vec3& offset, float distance, float radius) const;
   void visit(std::uint32_t index, CellMask mask);
-  void add_triangle(const TriangleTree::Triangle& triangle, CellMask mask, bool narrow);
-  void list(const TriangleTree::Triangle& triangle, const glm::vec3& normal, CellMask mask);
+  void add_triangle(std::uint32_t index, CellMask mask);
+  void list(Entry entry, CellMask mask);
   void mark_many(const CellMask& mask);
   bool open(CellMask& mask) const;
   int count(const CellMask& mask) const;
@@ -106,13 +108,12 @@ class TileCandidates {
   std::size_t first_cell_ = 0;  ///< of the kinds that are asked for
   std::size_t last_cell_ = direction_cells;
   std::array<int, direction_cells> counts_{};
-  std::vector<std::uint16_t> lists_;
-  std::vector<Triangle> triangles_;
-  struct Entry {
+  std::vector<Entry> lists_;
+  struct Visit {
     std::uint32_t node;
     CellMask mask;
   };
-  std::vector<Entry> stack_;
+  std::vector<Visit> stack_;
   // The tile: a ball of origins, the horizon of its pixels.
   glm::vec3 center_{0.0f};
   float radius_ = 0.0f;

@@ -15,6 +15,7 @@ class TileVisibility {
  public:
   TileVisibility(const TracedScene& traced, const BlockerWeight& weight)
       : packets_(traced, weight),
+        tree_(traced.tree()),
         candidates_(traced.tree()),
         weight_(weight),
         tolerance_(0.1f * traced.ray_lift_world()) {
@@ -36,7 +37,7 @@ class TileVisibility {
   Lanes operator()(const LaneMask& active, const Lanes3& direction, int cell) {
     const TileCandidates::List list = candidates_.list(cell);
     if (list.many) return packets_(tile_->origin, active, direction, reach_);
-    if (list.count > 0) return test(direction, list);
+    if (list.count > 0) return test(active, direction, list);
     Lanes visible;
     visible.v.fill(1.0f);
     return visible;
@@ -47,12 +48,14 @@ class TileVisibility {
 
  private:
   // Measured: with more visits, lists cost more than they save.
-  static constexpr long visits_per_ray = 2;
+  static constexpr long visits_per_ray = 4;
   static constexpr long max_visits = 8192;
 
-  Lanes test(const Lanes3& direction, const TileCandidates::List& list) const;
+  Lanes test(const LaneMask& active, const Lanes3& direction,
+             const TileCandidates::List& list) const;
 
   PacketVisibility packets_;
+  const TriangleTree& tree_;
   TileCandidates candidates_;
   BlockerWeight weight_;
   float tolerance_;

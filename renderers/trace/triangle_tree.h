@@ -18,6 +18,7 @@ class TriangleTree {
     glm::vec3 corner;
     glm::vec3 edge1;  ///< from `corner` to the second corner
     glm::vec3 edge2;  ///< from `corner` to the third
+    glm::vec3 normal() const { return cross(edge1, edge2); }  ///< not of length 1
   };
   /// Nodes are stored depth first: the left child of an inner node follows it.
   struct Node {
