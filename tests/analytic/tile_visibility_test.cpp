@@ -38,8 +38,10 @@ Scene strewn_scene(int count, float size) {
   Mesh mesh;
   for (int i = 0; i < count; ++i) {
     const glm::vec3 corner(random(-2, 2), random(-2, 2), random(0, 2));
-    for (const glm::vec3& p :
-         {corner, corner + size * random.direction(), corner + size * random.direction()}) {
+    // Every other one lies flat, in a box without thickness.
+    const glm::vec3 a = i % 2 ? glm::vec3(1, 0, 0) : random.direction();
+    const glm::vec3 b = i % 2 ? glm::vec3(0, 1, 0) : random.direction();
+    for (const glm::vec3& p : {corner, corner + size * a, corner + size * b}) {
       mesh.indices.push_back(std::uint32_t(mesh.positions.size()));
       mesh.positions.push_back(p);
       mesh.normals.emplace_back(0, 0, 1);
@@ -132,15 +134,17 @@ struct Case {
   int triangles;
   float size, extent, bend, reach;
   int weight;
+  long rays = 1024;  ///< as announced; few leave no time to list everything
 };
 
 TEST(TileVisibility, IsEmbrees) {
   const std::vector<Case> cases = {
-      {0, 0.1f, 0.02f, 0.0f, infinite, 0},      {0, 0.1f, 0.02f, 0.05f, 0.7f, 1},
-      {40, 0.3f, 0.05f, 0.0f, 0.5f, 0},         {40, 0.3f, 0.05f, 0.3f, infinite, 0},
-      {40, 0.3f, 0.0f, 0.0f, 1.0f, 2},          {2000, 0.1f, 0.02f, 0.1f, 0.5f, 0},
-      {2000, 0.1f, 0.02f, 0.02f, 0.5f, 1},      {20000, 0.02f, 0.01f, 0.05f, 0.3f, 0},
-      {20000, 0.02f, 0.01f, 0.05f, infinite, 2}};
+      {0, 0.1f, 0.02f, 0.0f, infinite, 0},       {0, 0.1f, 0.02f, 0.05f, 0.7f, 1},
+      {40, 0.3f, 0.05f, 0.0f, 0.5f, 0},          {40, 0.3f, 0.05f, 0.3f, infinite, 0},
+      {40, 0.3f, 0.0f, 0.0f, 1.0f, 2},           {2000, 0.1f, 0.02f, 0.1f, 0.5f, 0},
+      {2000, 0.1f, 0.02f, 0.02f, 0.5f, 1},       {20000, 0.02f, 0.01f, 0.05f, 0.3f, 0},
+      {20000, 0.02f, 0.01f, 0.05f, infinite, 2}, {300, 0.1f, 0.0f, 0.2f, infinite, 0},
+      {300, 0.1f, 0.0f, 0.2f, infinite, 0, 8}};
   for (const Case& c : cases) {
     const TracedScene traced(strewn_scene(c.triangles, c.size));
     const BlockerWeight weight{.weight = c.weight, .d_max_world = c.reach};
@@ -149,7 +153,7 @@ TEST(TileVisibility, IsEmbrees) {
     Counts counts;
     for (int tile_index = 0; tile_index < 200; ++tile_index) {
       const TileFrame tile = random_tile(random, c.extent, c.bend);
-      visibility.set_tile(tile, CellKinds::both, 1024);
+      visibility.set_tile(tile, CellKinds::both, c.rays);
       compare_tile(tile, c.reach, visibility, random, counts);
     }
     // Rays within rounding of an edge may differ, as often one way as the other.
