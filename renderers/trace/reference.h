@@ -44,7 +44,7 @@ struct Reference {
 };
 
 /// L(p) = (rho/pi) int L_in(w) v(p, w) (n.w) dw + the punctual lights, where v is 1 if nothing is
-/// hit within d_max and the weight of the hit's distance otherwise. Rays start 1e-4 bounding radii
+/// hit within d_max and the weight of the hit's distance otherwise. Rays start 1e-5 bounding radii
 /// above the surface along the geometric normal.
 ///
 /// A tile of 4x4 pixels shares its random numbers, each pixel turning them into its own tangent

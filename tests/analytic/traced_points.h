@@ -127,7 +127,4 @@ inline std::vector<Mean> trace_occlusion(const Scene& scene, const std::vector<P
   return means;
 }
 
-/// How far above a point its rays start (reference.h).
-inline double ray_lift(const Scene& scene) { return 1e-4 * double(scene.bounding_radius()); }
-
 }  // namespace occlab::test
