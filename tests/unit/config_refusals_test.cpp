@@ -185,7 +185,7 @@ TEST_F(ConfigTest, Figures) {
                at(41, "figure[1].rows[1].rectangle") + "accepted are four integers (pixels) or");
   EXPECT_ERROR(changed("[reference]\nmethod = \"rtdo\"\nrays_per_pixel = 64\n",
                        "[[run]]\nmethods = [\"rtdo\"]\n"),
-               at(43, "figure[2].kind") + "an error map needs a [reference]");
+               at(43, "figure[2].kind") + "a figure of errors needs a [reference]");
 }
 
 }  // namespace
