@@ -19,8 +19,8 @@ struct MeasuredCell {
 /// The layers of a cell; may throw InputError where it is not to be had.
 using ReadLayers = std::function<Layers(const MeasuredCell&)>;
 
-/// The images of a cell that are measured, by their stage: before and after the filter. A method that
-/// does not filter has only the unfiltered one. They are those of `layers`.
+/// The images of a cell that are measured, by their stage: before and after the filter. A method
+/// that does not filter has only the unfiltered one. They are those of `layers`.
 struct StageImage {
   std::string name;
   const Image& image;

@@ -92,8 +92,8 @@ SHARED vec4 sh_hanning_window(float width) {
 }
 
 // 16 coefficients as half pairs, 8 to a uvec4: "two Float32 targets" [S3HO sec. 3]. Integers,
-// because as floats some bit patterns would be NaNs. |error| <= 2^-11 |c| where the device rounds to
-// nearest; GLSL leaves that open, and one that truncates has up to 2^-10 |c|.
+// because as floats some bit patterns would be NaNs. |error| <= 2^-11 |c| where the device rounds
+// to nearest; GLSL leaves that open, and one that truncates has up to 2^-10 |c|.
 SHARED uvec4 sh_pack_low(Sh4 a) {
   return uvec4(packHalf2x16(vec2(a.c0.x, a.c0.y)), packHalf2x16(vec2(a.c0.z, a.c0.w)),
                packHalf2x16(vec2(a.c1.x, a.c1.y)), packHalf2x16(vec2(a.c1.z, a.c1.w)));

@@ -1,5 +1,5 @@
-// The arctangent, the same on every device: GLSL leaves the precision of its own functions open, and
-// Mesa's put directions up to 1e-4 rad off. No branches, so that loops over it vectorise.
+// The arctangent, the same on every device: GLSL leaves the precision of its own functions open,
+// and Mesa's put directions up to 1e-4 rad off. No branches, so that loops over it vectorise.
 #pragma once
 #include "renderers/shared/glsl.h"
 

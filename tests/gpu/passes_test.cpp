@@ -35,8 +35,8 @@ TEST(Harmonics, InWorldSpaceAreTheSameFunction) {
     for (int i = 0; i < 16; ++i) sum += c.at(0, 0, i) * quarters[i / 4][i % 4];
     return sum;
   };
-  for (const glm::vec3& d : {glm::vec3(0, 0, 1), glm::vec3(0.6f, 0.8f, 0), glm::vec3(0, -0.6f, 0.8f),
-                            glm::normalize(glm::vec3(-1, 2, -3))}) {
+  for (const glm::vec3& d : {glm::vec3(0, 0, 1), glm::vec3(0.6f, 0.8f, 0),
+                             glm::vec3(0, -0.6f, 0.8f), glm::normalize(glm::vec3(-1, 2, -3))}) {
     EXPECT_NEAR(value(world, d), value(view, view_from_world * d), 1e-5f);
   }
 }
