@@ -30,10 +30,11 @@ Environment sky_of(const JsonValue& place, std::string name, int width,
                    const std::function<glm::vec3(glm::vec3)>& radiance) {
   Environment environment;
   environment.name = std::move(name);
-  environment.texels = Image(width, width / 2, 3);
-  for (int y = 0; y < width / 2; ++y) {
+  const int height = width / 2;
+  environment.texels = Image(width, height, 3);
+  for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
-      const glm::vec2 uv((float(x) + 0.5f) / float(width), (float(y) + 0.5f) / float(width / 2));
+      const glm::vec2 uv((float(x) + 0.5f) / float(width), (float(y) + 0.5f) / float(height));
       const glm::vec3 value = radiance(equirect_direction(uv));
       for (int c = 0; c < 3; ++c) {
         if (!(value[c] >= 0.0f)) {
