@@ -71,6 +71,13 @@ long ReferenceChain::rays_per_pixel() const {
   return std::accumulate(rays_.begin(), rays_.end(), 0L);
 }
 
+std::vector<KeyedCell> ReferenceChain::steps() const {
+  if (parts_.size() == 1) return {};
+  std::vector<KeyedCell> cells = parts_;
+  cells.insert(cells.end(), means_.begin() + 1, means_.end() - 1);
+  return cells;
+}
+
 Layers ReferenceChain::read(std::size_t index) {
   if (index == 0) return read_part_(parts_.front());
   const KeyedCell& mean = means_[index];

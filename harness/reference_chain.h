@@ -38,6 +38,8 @@ class ReferenceChain {
 
   /// The mean of all parts as a cell, with all its rays; the first part itself while it is alone.
   const KeyedCell& mean() const { return means_.back(); }
+  /// All other cells: the parts and the means of fewer. None while the first part is alone.
+  std::vector<KeyedCell> steps() const;
   /// Whether the mean is in the store.
   bool finished() const { return store_.has(mean().key); }
   /// Its layers; what is missing is rendered and stored.

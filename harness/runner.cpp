@@ -155,7 +155,9 @@ class Run {
     report["measurements_sha256"] = sha256_file(measurements_path());
     report["warnings"] = warnings_;
     report["cells"] = json::array();
-    for (const PlannedKey& cell : cells_) {
+    std::vector<PlannedKey> all = cells_;
+    if (chain_) std::ranges::copy(chain_->steps(), std::back_inserter(all));
+    for (const PlannedKey& cell : all) {
       report["cells"].push_back({{"id", cell.key.id()},
                                  {"hash", cell.key.hash()},
                                  {"method", cell.planned.method},
