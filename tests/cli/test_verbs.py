@@ -91,7 +91,8 @@ class Render(CliTest):
                       "96", "54", "--method", "ssdo", *interleave("--set", [setting, "steps=3"]),
                       "-o", path)
             values[setting] = exr_pixels(path)
-            self.assertIn(setting.encode() + b" steps=3", path.read_bytes())
+            header = path.read_bytes()
+            self.assertTrue(setting.encode() in header and b" steps=3 " in header, setting)
         self.assertNotEqual(values["samples=4"], values["samples=8"])
 
 
