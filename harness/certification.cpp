@@ -65,12 +65,12 @@ std::vector<const Measurement*> errors_to_judge(const std::vector<Measurement>& 
 /// "s3ho, samples 32, filtered": the parameters in which the rows differ.
 std::string describe(const Measurement& row, const std::vector<const Measurement*>& rows) {
   std::string text = row.method;
-  for (const auto& [name, value] : row.parameters) {
+  for (const auto& parameter : row.parameters) {
     const bool differs = std::ranges::any_of(rows, [&](const Measurement* other) {
-      const std::string* others = find_parameter(*other, name);
-      return others && *others != value;
+      const std::string* value = find_parameter(*other, parameter.first);
+      return value && *value != parameter.second;
     });
-    if (differs) text += fmt::format(", {} {}", name, value);
+    if (differs) text += fmt::format(", {} {}", parameter.first, parameter.second);
   }
   return row.stage.empty() ? text : text + ", " + row.stage;
 }

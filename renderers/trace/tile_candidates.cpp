@@ -83,9 +83,10 @@ DirectionCones local_cones() {
     cones.sine[c] = float(std::sin(cone.w));
   };
   for (int cell = 0; cell < tangent_cells; ++cell) {
+    const int ring = cell / tangent_sectors;
+    const int sector = cell % tangent_sectors;
     set(cell, cone_of_cell([&](double s, double t) {
-          return tangent_direction((cell / tangent_sectors + s) / tangent_rings,
-                                   (cell % tangent_sectors + t) / tangent_sectors);
+          return tangent_direction((ring + s) / tangent_rings, (sector + t) / tangent_sectors);
         }));
   }
   for (int cell = 0; cell < cube_cells; ++cell) {

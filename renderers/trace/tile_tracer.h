@@ -36,12 +36,12 @@ class TileTracer {
   /// the balance heuristic [Veach 1997].
   TileTracer(const TracedScene& traced, const TraceSettings& settings, const ProbeTable& table,
              const EnvironmentSampler& sampler, float other_density_share)
-      : settings_(settings),
+      : visibility_(traced, {settings.weight, settings.d_max_world, settings.lambda_per_world,
+                             settings.fade_start}),
+        settings_(settings),
         table_(table),
         sampler_(sampler),
-        other_density_share_(other_density_share),
-        visibility_(traced, {settings.weight, settings.d_max_world, settings.lambda_per_world,
-                             settings.fade_start}) {}
+        other_density_share_(other_density_share) {}
 
   /// `tile` must stay until the next. `rays` of each strategy will be added for each point.
   void set_tile(const Tile& tile, CellKinds strategies, long rays) {
@@ -57,11 +57,11 @@ class TileTracer {
   void add_light(const Light& light, std::array<glm::vec3, lane_count>& sum);
 
  private:
+  TileVisibility visibility_;
   const TraceSettings& settings_;
   const ProbeTable& table_;
   const EnvironmentSampler& sampler_;
   float other_density_share_;
-  TileVisibility visibility_;
   const Tile* tile_ = nullptr;
 };
 

@@ -13,8 +13,7 @@ class HalfPacket {
  public:
   HalfPacket(const TriangleTree& tree, const Lanes3& origin, const Lanes3& direction, int half,
              Float8 limit, bool any_hit)
-      : tree_(tree),
-        ox_(load8(origin.x, half)),
+      : ox_(load8(origin.x, half)),
         oy_(load8(origin.y, half)),
         oz_(load8(origin.z, half)),
         dx_(load8(direction.x, half)),
@@ -25,6 +24,7 @@ class HalfPacket {
         iz_(inverse(dz_)),
         limit_(limit),
         nearest_(all8(miss)),
+        tree_(tree),
         any_hit_(any_hit) {}
 
   void test(TileCandidates::Entry entry) {
@@ -100,10 +100,10 @@ class HalfPacket {
     limit_ = hit ? (any_hit_ ? all8(-1.0f) : nearest_) : limit_;
   }
 
-  const TriangleTree& tree_;
   Float8 ox_, oy_, oz_, dx_, dy_, dz_, ix_, iy_, iz_;
   Float8 limit_;
   Float8 nearest_;
+  const TriangleTree& tree_;
   bool any_hit_;
 };
 

@@ -14,9 +14,9 @@ namespace occlab {
 class TileVisibility {
  public:
   TileVisibility(const TracedScene& traced, const BlockerWeight& weight)
-      : packets_(traced, weight),
+      : candidates_(traced.tree()),
         tree_(traced.tree()),
-        candidates_(traced.tree()),
+        packets_(traced, weight),
         weight_(weight),
         tolerance_(0.1f * traced.ray_lift_world()) {
     reach_.v.fill(weight.d_max_world);
@@ -54,12 +54,12 @@ class TileVisibility {
   Lanes test(const LaneMask& active, const Lanes3& direction,
              const TileCandidates::List& list) const;
 
-  PacketVisibility packets_;
-  const TriangleTree& tree_;
+  Lanes reach_;
   TileCandidates candidates_;
+  const TriangleTree& tree_;
+  PacketVisibility packets_;
   BlockerWeight weight_;
   float tolerance_;
-  Lanes reach_;
   const TileFrame* tile_ = nullptr;
 };
 

@@ -116,7 +116,7 @@ using RayRows = std::vector<std::vector<RTCRay>>;
 std::vector<RTCRay> naive_row(const SurfacePoints& points, int y) {
   std::mt19937 random{unsigned(y)};
   std::vector<RTCRay> rays;
-  rays.reserve(width * bare_rays_per_pixel);
+  rays.reserve(std::size_t(width) * bare_rays_per_pixel);
   for (int x = 0; x < width; ++x) {
     const std::optional<BarePoint> point = bare_point(points, x, y);
     if (!point) continue;

@@ -77,11 +77,11 @@ class Gallery {
 
   /// The mean of value(x, y, channel) over each tile's surface; the tiles are independent.
   std::vector<double> tile_means(const std::function<double(int, int, int)>& value) const {
-    const int across = (view_.width + 3) / 4;
-    std::vector<double> sums(std::size_t(across * ((view_.height + 3) / 4)));
+    const auto across = std::size_t((view_.width + 3) / 4);
+    std::vector<double> sums(across * std::size_t((view_.height + 3) / 4));
     std::vector<int> counts(sums.size());
     for_surface([&](int x, int y) {
-      const auto tile = std::size_t(y / 4 * across + x / 4);
+      const std::size_t tile = std::size_t(y / 4) * across + std::size_t(x / 4);
       for (int c = 0; c < 3; ++c) sums[tile] += value(x, y, c) / 3.0;
       ++counts[tile];
     });
