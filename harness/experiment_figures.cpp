@@ -131,7 +131,7 @@ Image draw_errors(const FigureSettings& settings, const FigureSource& source) {
   return error_figure(figure);
 }
 
-/// Large figures show every so-many-th pixel, so that a page stays about this wide.
+/// Pixels; larger figures leave some out.
 constexpr int budget_page_width = 2600;
 
 ErrorFigure map_figure(const FigureSettings& settings, const FigureSource& source, int columns) {
@@ -143,14 +143,13 @@ ErrorFigure map_figure(const FigureSettings& settings, const FigureSource& sourc
   return figure;
 }
 
-/// Keeps every so-many-th pixel of all maps, and says so.
+/// Shows so many of the pixels that the page stays about as wide as it may be, and says so.
 Image draw_decimated(ErrorFigure figure) {
-  const int step = std::max(
+  figure.step = std::max(
       1, (figure.columns * figure.mask.width() + budget_page_width - 1) / budget_page_width);
-  for (ErrorPanel& panel : figure.panels) panel.error = decimated(panel.error, step);
-  figure.mask = decimated(figure.mask, step);
-  if (step > 1) {
-    figure.caption += fmt::format(" Every {}th pixel each way is shown and counted.", step);
+  if (figure.step > 1) {
+    figure.caption +=
+        fmt::format(" Of {0}x{0} pixels one is shown; the numbers are of all.", figure.step);
   }
   return error_figure(figure);
 }

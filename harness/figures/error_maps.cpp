@@ -84,7 +84,11 @@ Image decimated(const Image& image, int step) {
                image.channels());
   for (int y = 0; y < result.height(); ++y) {
     for (int x = 0; x < result.width(); ++x) {
-      std::ranges::copy(image.pixel(x * step, y * step), result.pixel(x, y).begin());
+      const auto source = [step](int at, int size) {
+        return std::min(size - 1, at * step + (at / 2) % step);
+      };
+      std::ranges::copy(image.pixel(source(x, image.width()), source(y, image.height())),
+                        result.pixel(x, y).begin());
     }
   }
   return result;
@@ -123,15 +127,17 @@ Image error_figure(const ErrorFigure& figure) {
   for (const ErrorPanel& panel : figure.panels) require_shape(panel.error, panel.label, first, 1);
   require_shape(figure.mask, "mask", first, 1);
   const int columns = std::min(figure.columns, int(figure.panels.size()));
-  const FigureSizes sizes(columns * first.width());
+  const int width = (first.width() + figure.step - 1) / figure.step;
+  const FigureSizes sizes(columns * width);
+  const Image shown_mask = decimated(figure.mask, figure.step);
   std::vector<Image> panels;
   for (const ErrorPanel& panel : figure.panels) {
-    const Image map = false_colour(panel.error, figure.mask, figure.kind, figure.scale);
+    const Image map =
+        false_colour(decimated(panel.error, figure.step), shown_mask, figure.kind, figure.scale);
     const ErrorSummary summary = summarize_error(panel.error, figure.mask, figure.scale);
-    panels.push_back(
-        stack({framed_panel(panel.label, panel.colour, map, sizes),
-               text_block(summary_text(summary, figure.kind), {sizes.text}, first.width())},
-              sizes.gap / 3));
+    panels.push_back(stack({framed_panel(panel.label, panel.colour, map, sizes),
+                            text_block(summary_text(summary, figure.kind), {sizes.text}, width)},
+                           sizes.gap / 3));
   }
   const Image maps = grid(panels, columns, sizes.gap);
   const Image scale = legend(figure.quantity.empty() ? quantity_of(figure.kind) : figure.quantity,

@@ -82,6 +82,7 @@ struct ErrorFigure {
   std::vector<ErrorPanel> panels;
   std::string caption;
   int columns = 2;
+  int step = 1;          ///< every so-many-th pixel each way is shown; statistics are over all
   std::string quantity;  ///< of the colour bar; empty: that of `kind`
 };
 
@@ -95,7 +96,8 @@ struct ErrorSummary {
 };
 ErrorSummary summarize_error(const Image& error, const Image& mask, double scale);
 
-/// Every `step`-th pixel each way.
+/// One pixel of every `step` x `step`, at places that take turns: all sets of a 4x4 interleaved
+/// pattern are shown alike.
 Image decimated(const Image& image, int step);
 
 /// Error maps in columns on one fixed scale, printed as a colour bar with its numbers and unit;
