@@ -37,7 +37,8 @@ struct alignas(64) LaneMask {
   int operator[](int lane) const { return v[std::size_t(lane)]; }
 };
 
-/// arctan2 to 1e-7 rad, without branches [Abramowitz and Stegun 4.4.49].
+/// shared/trigonometry.h's arctan2, for vectors: the look-ups of the passes and of the reference
+/// are the same.
 inline Float8 atan2_8(Float8 y, Float8 x) {
   const Float8 ax = abs8(x);
   const Float8 ay = abs8(y);
@@ -59,21 +60,7 @@ inline Float8 atan2_8(Float8 y, Float8 x) {
   return y < 0.0f ? -angle : angle;
 }
 
-/// arccos to 1e-7 rad for x in [-1, 1], without branches [Abramowitz and Stegun 4.4.46].
-inline Float8 acos_8(Float8 x) {
-  const Float8 a = abs8(x);
-  Float8 p = all8(-0.0012624911f);
-  p = p * a + 0.0066700901f;
-  p = p * a - 0.0170881256f;
-  p = p * a + 0.0308918810f;
-  p = p * a - 0.0501743046f;
-  p = p * a + 0.0889789874f;
-  p = p * a - 0.2145988016f;
-  p = p * a + 1.5707963050f;
-  const Float8 rest = 1.0f - (a < 1.0f ? a : all8(1.0f));
-  const Float8 angle = _mm256_sqrt_ps(rest) * p;
-  return x < 0.0f ? 3.14159265359f - angle : angle;
-}
+inline Float8 sqrt8(Float8 x) { return _mm256_sqrt_ps(x); }
 
 /// Fills a packet of rays from `origin` along `direction`, from 0 to `distance`.
 template <typename Ray>

@@ -81,10 +81,12 @@ class TestFrame {
 
 inline const std::vector<std::string> screen_space_methods = {"ssao", "s3ho", "ssdo", "ssbn"};
 
-/// The layer that holds a method's ambient occlusion, "" for SSDO, which has none.
+/// The layer that holds a method's ambient occlusion, "" if it has none.
 inline std::string occlusion_layer(const std::string& method) {
-  if (method == "ssbn") return "uniform_occlusion";
-  return method == "ssdo" ? "" : "ambient_occlusion";
+  for (const std::string& layer : find_method(method).layers) {
+    if (layer.ends_with("_occlusion")) return layer;
+  }
+  return "";
 }
 
 inline glm::dvec3 pixel3(const Image& image, int x, int y) {
