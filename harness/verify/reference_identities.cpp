@@ -56,7 +56,8 @@ class TracedRepresentations {
       sums.emplace_back(surface_.mask.width(), surface_.mask.height(), r->channels);
     }
     add_directions({surface_, lighting_, constants_, visibility_},
-                   unbiased_sample_set(directions, seed), representations, sums);
+                   unbiased_sample_set(directions, seed), TurnPattern::interleaved, representations,
+                   sums);
     const auto values = [&](std::size_t r) {
       return representation_of(*representations[r], sums[r], directions);
     };

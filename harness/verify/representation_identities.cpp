@@ -116,29 +116,28 @@ class Identities {
 
   template <typename Body>
   void for_each_pixel_sum(const Body& body) const {
-    Lanes reach;
-    reach.v.fill(constants_.d_max_world);
-    for_each_group(surface_, samples_, [&](const PixelGroup& group, int set) {
+    const auto add_group = [&, visibility = visibility_](const PixelGroup& group, int set) mutable {
+      visibility.set_group(group, long(samples_.directions.size()));
       std::array<DirectSums, lane_count> sums;
       std::array<LightAtPoint, lane_count> light;
       for (std::size_t i = 0; i < lane_count; ++i) {
         light[i] = light_at(lighting_, group.position[i]);
       }
       for (const glm::vec4& sample : samples_.directions) {
-        LaneDirections direction;
-        for (std::size_t i = 0; i < lane_count; ++i) {
-          direction[i] = group.frame[i] * glm::vec3(sample);
-        }
         const float xi = fract(sample.w + samples_.sets[std::size_t(set)].z);
-        const Lanes visible = visibility_(group, direction, xi, reach);
+        const Lanes visible =
+            visibility.toward(glm::vec3(sample), tangent_cell(glm::vec3(sample)), xi);
         for (std::size_t i = 0; i < lane_count; ++i) {
-          sums[i].add(light[i], direction[i], double(visible.v[i]), double(sample.z));
+          const glm::mat3 frame(at(group.frame.tangent, int(i)), at(group.frame.bitangent, int(i)),
+                                at(group.frame.normal, int(i)));
+          sums[i].add(light[i], frame * glm::vec3(sample), double(visible.v[i]), double(sample.z));
         }
       }
       for (std::size_t i = 0; i < lane_count; ++i) {
         if (group.active.v[i] != 0) body(group.pixel[i], sums[i]);
       }
-    });
+    };
+    for_each_group(surface_, samples_, TurnPattern::interleaved, add_group);
   }
 
   void add_direct_sums(LayerAgreement& agreement, const Image& sh) const {
@@ -179,8 +178,8 @@ class Identities {
     const CpuLighting constant(lighting, constants_);
     Image sums = empty(3);
     const std::array<const Representation*, 1> ssdo = {&representation("ssdo")};
-    add_directions({surface_, constant, constants_, visibility_}, samples_, ssdo,
-                   std::span(&sums, 1));
+    add_directions({surface_, constant, constants_, visibility_}, samples_,
+                   TurnPattern::interleaved, ssdo, std::span(&sums, 1));
     Image expected = empty(3);
     for (std::size_t p = 0; p < occlusion.pixel_count(); ++p) {
       for (std::size_t c = 0; c < 3; ++c) {

@@ -68,6 +68,17 @@ Image rgb_of(const Image& rgba) {
   return rgb;
 }
 
+/// As the passes read them (normal_at() in methods/screen_space.glsl).
+Image unit_normals(Image normals) {
+  for (std::size_t p = 0; p < normals.values().size(); p += 3) {
+    float* n = &normals.values()[p];
+    const float length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    if (length == 0.0f) continue;  // background
+    for (int c = 0; c < 3; ++c) n[c] /= length;
+  }
+  return normals;
+}
+
 /// A surface point that is not finite would send the ray tracer into an endless loop.
 void check_finite(const Image& image, const Image& mask, const char* what) {
   for (int y = 0; y < mask.height(); ++y) {
@@ -94,14 +105,11 @@ GpuScene::GpuScene(const Scene& scene) {
   }
 }
 
-GBuffer render_gbuffer(const Scene& scene, const GpuScene& gpu_scene, const View& view,
-                       GBufferBits bits, ProgramCache& programs) {
-  const GLenum geometry = bits == GBufferBits::float32 ? GL_RGBA32F : GL_RGBA16F;
-  const std::array<GLenum, 4> formats = {geometry, geometry, GL_RGBA32F, GL_RGBA32F};
-  GBuffer gbuffer{Framebuffer(view.width, view.height, formats, true)};
+void draw_gbuffer(const Framebuffer& targets, const Scene& scene, const GpuScene& gpu_scene,
+                  const View& view, ProgramCache& programs) {
   const Program& program =
       programs.get("renderers/gl/gbuffer.vert", "renderers/gl/gbuffer.frag", "");
-  gbuffer.targets.bind();
+  targets.bind();
   program.use();
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LESS);
@@ -129,6 +137,14 @@ GBuffer render_gbuffer(const Scene& scene, const GpuScene& gpu_scene, const View
     glDrawElements(GL_TRIANGLES, draw.index_count, GL_UNSIGNED_INT, nullptr);
   }
   check_gl("the G-buffer pass");
+}
+
+GBuffer render_gbuffer(const Scene& scene, const GpuScene& gpu_scene, const View& view,
+                       GBufferBits bits, ProgramCache& programs) {
+  const GLenum geometry = bits == GBufferBits::float32 ? GL_RGBA32F : GL_RGBA16F;
+  const std::array<GLenum, 4> formats = {geometry, geometry, GL_RGBA32F, GL_RGBA32F};
+  GBuffer gbuffer{Framebuffer(view.width, view.height, formats, true)};
+  draw_gbuffer(gbuffer.targets, scene, gpu_scene, view, programs);
   return gbuffer;
 }
 
@@ -138,7 +154,10 @@ GBufferImages download(const GBuffer& gbuffer) {
   for (std::size_t p = 0; p < mask.pixel_count(); ++p) {
     mask.values()[p] = position.values()[p * 4 + 3];
   }
-  GBufferImages images{rgb_of(position), rgb_of(gbuffer.normal_view().download()),
+  const bool half = gbuffer.normal_view().format() == GL_RGBA16F;
+  Image normals = rgb_of(gbuffer.normal_view().download());
+  GBufferImages images{rgb_of(position),
+                       half ? unit_normals(std::move(normals)) : std::move(normals),
                        rgb_of(gbuffer.geometric_normal_view().download()),
                        rgb_of(gbuffer.albedo().download()), std::move(mask)};
   check_finite(images.position_view, images.mask, "position");

@@ -47,6 +47,10 @@ struct GBuffer {
   const Texture& albedo() const { return targets.colors()[3]; }
 };
 
+/// Draws the scene into a G-buffer's targets.
+void draw_gbuffer(const Framebuffer& targets, const Scene& scene, const GpuScene& gpu_scene,
+                  const View& view, ProgramCache& programs);
+
 GBuffer render_gbuffer(const Scene& scene, const GpuScene& gpu_scene, const View& view,
                        GBufferBits bits, ProgramCache& programs);
 

@@ -8,7 +8,7 @@ void main() {
   vec4 p = texelFetch(position_view, pixel, 0);
   out_k_A = 0.0;
   if (p.w == 0.0) return;  // background
-  vec3 n = texelFetch(normal_view, pixel, 0).xyz;
+  vec3 n = normal_at(pixel);
   vec4 set = pixel_sample_set();
   mat3 frame = sampling_frame(n, set);
   float sum = 0.0;

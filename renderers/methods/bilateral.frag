@@ -25,7 +25,7 @@ void main() {
 #endif
   vec4 p = texelFetch(position_view, pixel, 0);
   if (p.w == 0.0) return;
-  vec3 n = texelFetch(normal_view, pixel, 0).xyz;
+  vec3 n = normal_at(pixel);
   ivec2 last = textureSize(position_view, 0) - 1;
   float weights = 0.0;
   for (int y = filter_first; y <= filter_last; ++y) {
@@ -33,7 +33,7 @@ void main() {
       ivec2 neighbour = pixel + ivec2(x, y);
       ivec2 inside = clamp(neighbour, ivec2(0), last);
       vec4 p_neighbour = texelFetch(position_view, inside, 0);
-      vec3 n_neighbour = texelFetch(normal_view, inside, 0).xyz;
+      vec3 n_neighbour = normal_at(inside);
       float w = bilateral_weight(p.xyz, n, p_neighbour.xyz, n_neighbour, filter_power,
                                  filter_scale * d_max_world);
       w *= neighbour == inside ? p_neighbour.w : 0.0;

@@ -73,9 +73,10 @@ std::vector<Converged> converge(const GBufferImages& surface, const Lighting& li
   // Every round is one set, twice as large as the last: a large stratified set is worth more than
   // many small ones.
   for (int directions = convergence.first_round;; directions *= 2) {
-    for (auto& half : sums) {
-      add_directions(pass, make_sample_set(directions, seed++), representations, half);
-    }
+    const SampleSet first = make_sample_set(directions, seed++);
+    const SampleSet second = make_sample_set(directions, seed++);
+    const std::array<DirectionSums, halves> sets = {{{first, sums[0]}, {second, sums[1]}}};
+    add_directions(pass, sets, TurnPattern::tiles, representations);
     per_half += directions;
     bool reached = true;
     for (std::size_t m = 0; m < methods.size(); ++m) {

@@ -38,28 +38,26 @@ CpuLighting::CpuLighting(const Lighting& lighting, const PassConstants& constant
       window_(sh_hanning_window(constants.hanning_width)),
       cone_angle_(constants.cone_angle) {}
 
-std::array<glm::vec3, lane_count> CpuLighting::probe_radiance(
-    const std::array<glm::vec3, lane_count>& directions) const {
-  Lanes3 d;
-  for (int i = 0; i < lane_count; ++i) {
-    const glm::vec3 in_probe = probe_from_view_ * directions[std::size_t(i)];
-    d.x[i] = in_probe.x;
-    d.y[i] = in_probe.y;
-    d.z[i] = in_probe.z;
+CpuLighting::Texels CpuLighting::probe_texels(const Lanes3& directions) const {
+  Texels texels;
+  for (const int half : half_lanes) {
+    const Int8 index =
+        equirect_index8(probe_from_view_, directions, half, probe_.width(), probe_.height());
+    for (std::size_t i = 0; i < 8; ++i) {
+      const float* texel = probe_.values().data() + 3 * std::size_t(index[i]);
+      _mm_prefetch(texel, _MM_HINT_T0);
+      texels[std::size_t(half) + i] = texel;
+    }
   }
-  Lanes column;
-  Lanes row;
-  for (int i = 0; i < lane_count; ++i) {  // on its own, for the vectoriser
-    const glm::vec2 uv = equirect_uv(glm::vec3(d.x[i], d.y[i], d.z[i]));
-    column[i] = uv.x * float(probe_.width());
-    row[i] = uv.y * float(probe_.height());
+  return texels;
+}
+
+std::array<Lanes, 3> CpuLighting::radiance(const Texels& texels) {
+  std::array<Lanes, 3> rgb;
+  for (std::size_t c = 0; c < rgb.size(); ++c) {
+    for (std::size_t i = 0; i < texels.size(); ++i) rgb[c].v[i] = texels[i][c];
   }
-  std::array<glm::vec3, lane_count> radiance;
-  for (int i = 0; i < lane_count; ++i) {
-    radiance[std::size_t(i)] = texel(probe_, std::clamp(int(column[i]), 0, probe_.width() - 1),
-                                     std::clamp(int(row[i]), 0, probe_.height() - 1));
-  }
-  return radiance;
+  return rgb;
 }
 
 glm::vec3 CpuLighting::cone_radiance(glm::vec3 d, float angle) const {

@@ -14,9 +14,11 @@ class CpuLighting {
   /// Makes whatever `lighting`, which outlives this, has not made yet.
   CpuLighting(const Lighting& lighting, const PassConstants& constants);
 
-  /// The probe's nearest texel in each of 16 directions.
-  std::array<glm::vec3, lane_count> probe_radiance(
-      const std::array<glm::vec3, lane_count>& directions) const;
+  /// The probe's nearest texels in 16 directions, on their way into the cache: each is three
+  /// floats, RGB.
+  using Texels = std::array<const float*, lane_count>;
+  Texels probe_texels(const Lanes3& directions) const;
+  static std::array<Lanes, 3> radiance(const Texels& texels);
   /// L_c(d, angle), linear between texels and levels.
   glm::vec3 cone_radiance(glm::vec3 d, float angle) const;
   /// Of the whole probe on a surface with normal n.

@@ -41,99 +41,202 @@ void for_each_surface_pixel(const GBufferImages& surface, const Body& body) {
   });
 }
 
-/// The sums of one group's pixels for all representations.
-class GroupSums {
- public:
-  GroupSums(const DirectionPass& pass, const PixelGroup& group,
-            std::span<const Representation* const> representations)
-      : pass_(pass), group_(group), representations_(representations) {
-    sums_.resize(representations.size());
-    reads_radiance_ =
-        std::ranges::any_of(representations, [](const auto* r) { return r->reads_radiance; });
-  }
+/// A direction of a set, in the tangent frames of all pixels.
+struct TangentDirection {
+  glm::vec3 direction;
+  float offset;  ///< of the march
+  int cell;      ///< tangent_cell()
+};
 
-  void add(const SampleSet& samples, float shift) {
-    Lanes reach;
-    reach.v.fill(pass_.constants.d_max_world);
-    for (const glm::vec4& sample : samples.directions) {
-      LaneDirections direction;
-      for (std::size_t i = 0; i < direction.size(); ++i) {
-        direction[i] = group_.frame[i] * glm::vec3(sample);
-      }
-      const float xi = fract(sample.w + shift);
-      const Lanes visible = pass_.visibility(group_, direction, xi, reach);
-      if (reads_radiance_) radiance_ = pass_.lighting.probe_radiance(direction);
-      for (int i = 0; i < lane_count; ++i) add(i, direction[std::size_t(i)], sample.z, visible[i]);
+/// Those of a cell one after the other: they meet the same triangles.
+std::vector<TangentDirection> tangent_directions(const SampleSet& samples) {
+  std::vector<TangentDirection> directions;
+  for (const glm::vec4& sample : samples.directions) {
+    directions.push_back({glm::vec3(sample), sample.w, tangent_cell(glm::vec3(sample))});
+  }
+  std::ranges::stable_sort(directions, {}, &TangentDirection::cell);
+  return directions;
+}
+
+/// What V (and the radiance, where it is read) of each direction is multiplied with: the same in
+/// all tangent frames.
+using Weights = std::vector<Values>;
+
+Weights weights_of(const Representation& representation,
+                   const std::vector<TangentDirection>& directions) {
+  Weights weights(directions.size());
+  for (std::size_t k = 0; k < weights.size(); ++k) {
+    const glm::vec3 direction = directions[k].direction;
+    representation.accumulate(weights[k], {.direction = direction,
+                                           .cosine = direction.z,
+                                           .visibility = 1.0f,
+                                           .radiance = glm::vec3(1.0f)});
+  }
+  return weights;
+}
+
+/// sum += weight * value
+void add_lanes(Lanes& sum, float weight, const Lanes& value) {
+  for (const int half : half_lanes) {
+    store8(sum, half, load8(sum, half) + load8(value, half) * weight);
+  }
+}
+
+Lanes product(const Lanes& a, const Lanes& b) {
+  Lanes result;
+  for (const int half : half_lanes) store8(result, half, load8(a, half) * load8(b, half));
+  return result;
+}
+
+/// The sums of one group's pixels for one representation, in the pixels' frames.
+struct LaneSums {
+  const Representation* representation;
+  const Weights* weights;
+  std::array<Lanes, std::tuple_size_v<Values>> sums{};
+
+  void add(std::size_t k, const Lanes& visible, const std::array<Lanes, 3>& visible_radiance) {
+    const Values& weight = (*weights)[k];
+    for (std::size_t c = 0; c < std::size_t(representation->channels); ++c) {
+      add_lanes(sums[c], weight[c], representation->reads_radiance ? visible_radiance[c] : visible);
     }
-    if (reads_radiance_) add_lights(samples, shift);
   }
 
-  void store(std::span<Image> sums) const {
-    for (std::size_t r = 0; r < sums.size(); ++r) {
-      for (int i = 0; i < lane_count; ++i) {
-        if (!group_.active[i]) continue;
-        const glm::ivec2 pixel = group_.pixel[std::size_t(i)];
-        const auto target = sums[r].pixel(pixel.x, pixel.y);
-        for (std::size_t c = 0; c < target.size(); ++c) target[c] += sums_[r][std::size_t(i)][c];
-      }
+  Values in_view(int lane, const PixelGroup& group) const {
+    Values values{};
+    for (std::size_t c = 0; c < values.size(); ++c) values[c] = sums[c][lane];
+    if (representation->turn) {
+      representation->turn(values, {at(group.frame.tangent, lane), at(group.frame.bitangent, lane),
+                                    at(group.frame.normal, lane)});
+    }
+    return values;
+  }
+};
+
+/// The directions of a set as the passes add them up.
+struct PreparedSet {
+  PreparedSet(const DirectionSums& in, std::span<const Representation* const> representations)
+      : samples(&in.samples), sums(in.sums), directions(tangent_directions(in.samples)) {
+    for (const Representation* r : representations) weights.push_back(weights_of(*r, directions));
+  }
+
+  const SampleSet* samples;
+  std::span<Image> sums;
+  std::vector<TangentDirection> directions;
+  std::vector<Weights> weights;  ///< of each representation
+};
+
+/// One group's pixels.
+class GroupPass {
+ public:
+  GroupPass(const DirectionPass& pass, std::span<const Representation* const> representations,
+            float shift, const PixelGroup& group, VisibilitySource& visibility)
+      : pass_(pass),
+        representations_(representations),
+        shift_(shift),
+        group_(group),
+        visibility_(visibility) {}
+
+  void add(const PreparedSet& set) const {
+    std::vector<LaneSums> lanes;
+    for (std::size_t r = 0; r < representations_.size(); ++r) {
+      lanes.push_back({representations_[r], &set.weights[r]});
+    }
+    add_probe(set.directions, lanes);
+    for (std::size_t r = 0; r < lanes.size(); ++r) {
+      if (representations_[r]->reads_radiance) add_lights(*set.samples, lanes[r]);
+      store(lanes[r], set.sums[r]);
     }
   }
 
  private:
-  void add(int lane, glm::vec3 direction, float cosine, float visibility) {
-    if (!group_.active[lane]) return;
-    const SampledDirection sampled{direction, cosine, visibility, radiance_[std::size_t(lane)]};
-    for (std::size_t r = 0; r < representations_.size(); ++r) {
-      representations_[r]->accumulate(sums_[r][std::size_t(lane)], sampled);
+  void add_probe(const std::vector<TangentDirection>& directions, std::span<LaneSums> lanes) const {
+    const bool reads_radiance =
+        std::ranges::any_of(representations_, [](const auto* r) { return r->reads_radiance; });
+    std::array<Lanes, 3> radiance;
+    for (std::size_t k = 0; k < directions.size(); ++k) {
+      const TangentDirection& d = directions[k];
+      // Texels are fetched while the rays are traced.
+      CpuLighting::Texels texels;
+      if (reads_radiance) texels = pass_.lighting.probe_texels(out_of(group_.frame, d.direction));
+      const Lanes visible = visibility_.toward(d.direction, d.cell, fract(d.offset + shift_));
+      if (reads_radiance) {
+        radiance = CpuLighting::radiance(texels);
+        for (Lanes& channel : radiance) channel = product(channel, visible);
+      }
+      for (LaneSums& sums : lanes) sums.add(k, visible, radiance);
     }
   }
 
   /// A punctual light is one more direction, up to the light or d_max. Its irradiance is that of a
   /// sample of radiance E N / (2 pi).
-  void add_lights(const SampleSet& samples, float shift) {
-    const float xi = fract(samples.directions.front().w + shift);
+  void add_lights(const SampleSet& samples, LaneSums& lanes) const {
+    const float xi = fract(samples.directions.front().w + shift_);
     const float radiance_of_irradiance = float(samples.directions.size()) / (2.0f * pi);
     for (const PunctualLight& light : pass_.lighting.lights()) {
       std::array<IncidentLight, lane_count> incident;
-      LaneDirections direction;
+      Lanes3 direction;
       Lanes reach;
-      for (std::size_t i = 0; i < direction.size(); ++i) {
-        incident[i] = incident_light(light, group_.position[i]);
-        direction[i] = incident[i].direction;
-        reach.v[i] = std::min(pass_.constants.d_max_world, incident[i].distance);
+      for (int i = 0; i < lane_count; ++i) {
+        IncidentLight& here = incident[std::size_t(i)];
+        here = incident_light(light, group_.position[std::size_t(i)]);
+        set_lane(direction, i, here.direction);
+        reach[i] = std::min(pass_.constants.d_max_world, here.distance);
       }
-      const Lanes visible = pass_.visibility(group_, direction, xi, reach);
-      for (std::size_t i = 0; i < direction.size(); ++i) {
-        const float cosine = dot(group_.normal[i], direction[i]);
-        if (!group_.active.v[i] || cosine <= 0.0f) continue;
-        const SampledDirection sampled{direction[i], cosine, visible.v[i],
-                                       incident[i].irradiance * radiance_of_irradiance};
-        for (std::size_t r = 0; r < representations_.size(); ++r) {
-          if (representations_[r]->reads_radiance) {
-            representations_[r]->accumulate(sums_[r][i], sampled);
-          }
-        }
+      const Lanes visible = visibility_.along(direction, xi, reach);
+      for (int i = 0; i < lane_count; ++i) {
+        const float cosine = dot(at(group_.frame.normal, i), at(direction, i));
+        if (!group_.active[i] || cosine <= 0.0f) continue;
+        Values added{};
+        lanes.representation->accumulate(
+            added, {at(direction, i), cosine, visible[i],
+                    incident[std::size_t(i)].irradiance * radiance_of_irradiance});
+        for (std::size_t c = 0; c < added.size(); ++c) lanes.sums[c][i] += added[c];
       }
     }
   }
 
+  void store(const LaneSums& lanes, Image& sums) const {
+    for (int i = 0; i < lane_count; ++i) {
+      if (!group_.active[i]) continue;
+      const glm::ivec2 pixel = group_.pixel[std::size_t(i)];
+      const auto target = sums.pixel(pixel.x, pixel.y);
+      const Values values = lanes.in_view(i, group_);
+      for (std::size_t c = 0; c < target.size(); ++c) target[c] += values[c];
+    }
+  }
+
   const DirectionPass& pass_;
-  const PixelGroup& group_;
   std::span<const Representation* const> representations_;
-  bool reads_radiance_ = false;
-  std::array<glm::vec3, lane_count> radiance_{};
-  std::vector<std::array<Values, lane_count>> sums_;
+  float shift_;
+  const PixelGroup& group_;
+  VisibilitySource& visibility_;
 };
 
 }  // namespace
 
-void add_directions(const DirectionPass& pass, const SampleSet& samples,
+void add_directions(const DirectionPass& pass, std::span<const DirectionSums> sets,
+                    TurnPattern pattern, std::span<const Representation* const> representations) {
+  std::vector<PreparedSet> prepared;
+  long directions = 0;
+  for (const DirectionSums& set : sets) {
+    prepared.emplace_back(set, representations);
+    directions += long(set.samples.directions.size());
+  }
+  const SampleSet& turns = sets.front().samples;
+  const auto add_group = [&, visibility = pass.visibility](const PixelGroup& group,
+                                                           int set) mutable {
+    visibility.set_group(group, directions);
+    const GroupPass group_pass(pass, representations, turns.sets[std::size_t(set)].z, group,
+                               visibility);
+    for (const PreparedSet& each : prepared) group_pass.add(each);
+  };
+  for_each_group(pass.surface, turns, pattern, add_group);
+}
+
+void add_directions(const DirectionPass& pass, const SampleSet& samples, TurnPattern pattern,
                     std::span<const Representation* const> representations, std::span<Image> sums) {
-  for_each_group(pass.surface, samples, [&](const PixelGroup& group, int set) {
-    GroupSums group_sums(pass, group, representations);
-    group_sums.add(samples, samples.sets[std::size_t(set)].z);
-    group_sums.store(sums);
-  });
+  const DirectionSums one{samples, sums};
+  add_directions(pass, std::span(&one, 1), pattern, representations);
 }
 
 Image representation_of(const Representation& representation, const Image& sums, int count) {
@@ -204,7 +307,7 @@ Image occlusion_on_cpu(const Frame& frame, const ParameterSet& parameters,
       make_sample_set(constants.samples, std::uint64_t(parameters.integer("seed")));
   Image sums(surface.mask.width(), surface.mask.height(), representation.channels);
   const std::array<const Representation*, 1> one = {&representation};
-  add_directions(pass, samples, one, std::span(&sums, 1));
+  add_directions(pass, samples, TurnPattern::interleaved, one, std::span(&sums, 1));
   return representation_of(representation, sums, constants.samples);
 }
 

@@ -21,9 +21,19 @@ struct DirectionPass {
   VisibilitySource visibility;
 };
 
-/// Adds every direction of the set at every pixel to the sums of each representation; `sums` are
-/// images of the representations' channels, in the same order. Multi-threaded; throws Interrupted.
-void add_directions(const DirectionPass& pass, const SampleSet& samples,
+/// A sample set, and the sums that its directions are added to: images of the representations'
+/// channels, in their order.
+struct DirectionSums {
+  const SampleSet& samples;
+  std::span<Image> sums;
+};
+
+/// Adds every direction of the sets at every pixel to the sums of each representation. The pixels'
+/// turns are those of the first set: so a second one costs rays less. Multi-threaded; throws
+/// Interrupted.
+void add_directions(const DirectionPass& pass, std::span<const DirectionSums> sets,
+                    TurnPattern pattern, std::span<const Representation* const> representations);
+void add_directions(const DirectionPass& pass, const SampleSet& samples, TurnPattern pattern,
                     std::span<const Representation* const> representations, std::span<Image> sums);
 
 /// Sums over `count` directions as the occlusion pass writes them.

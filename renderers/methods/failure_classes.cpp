@@ -137,32 +137,30 @@ class GroupFailures {
   }
 
   void add(const glm::vec4& sample, float shift, ClassSums& sums) {
-    LaneDirections direction;
-    for (std::size_t i = 0; i < direction.size(); ++i) {
-      direction[i] = group_.frame[i] * glm::vec3(sample);
-    }
+    const Lanes3 direction = out_of(group_.frame, glm::vec3(sample));
     const GroupRays rays = rays_of(group_, direction, in_.view, in_.traced.ray_lift_world());
     const Lanes hit =
         rays_through_.nearest(rays.origin, group_.active, rays.direction, everywhere_);
-    const auto radiance = in_.lighting.probe_radiance(direction);
-    for (std::size_t i = 0; i < direction.size(); ++i) {
-      if (!group_.active.v[i]) continue;
-      const ShadedPoint point{group_.position[i], group_.normal[i]};
+    const auto radiance = CpuLighting::radiance(in_.lighting.probe_texels(direction));
+    for (int i = 0; i < lane_count; ++i) {
+      if (!group_.active[i]) continue;
+      const ShadedPoint point = group_.point(i);
+      const glm::vec3 s = at(direction, i);
       const float xi = fract(sample.w + shift);
-      const Disagreement d{
-          .point = point,
-          .direction = direction[i],
-          .march_offset = xi,
-          .march = march_.march(point, direction[i], xi, in_.constants.d_max_world),
-          .hit_distance = hit.v[i],
-          .traced_visibility = traced_visibility_at(hit.v[i])};
+      const Disagreement d{.point = point,
+                           .direction = s,
+                           .march_offset = xi,
+                           .march = march_.march(point, s, xi, in_.constants.d_max_world),
+                           .hit_distance = hit[i],
+                           .traced_visibility = traced_visibility_at(hit[i])};
       const float difference = d.march.visibility - d.traced_visibility;
       if (difference == 0.0f) continue;
       const auto c = std::size_t(classify_(d));
-      const glm::ivec2 pixel = group_.pixel[i];
+      const glm::ivec2 pixel = group_.pixel[std::size_t(i)];
       ao_accumulate(sums.occlusion[c].at(pixel.x, pixel.y), difference, sample.z);
       for (int channel = 0; channel < 3; ++channel) {
-        sums.light[c].at(pixel.x, pixel.y, channel) += difference * sample.z * radiance[i][channel];
+        sums.light[c].at(pixel.x, pixel.y, channel) +=
+            difference * sample.z * radiance[std::size_t(channel)][i];
       }
     }
   }
@@ -185,7 +183,7 @@ class GroupFailures {
 
 void add_failures(const Inputs& in, const DepthMarch& march, const SampleSet& samples,
                   ClassSums& sums) {
-  for_each_group(in.surface, samples, [&](const PixelGroup& group, int set) {
+  for_each_group(in.surface, samples, TurnPattern::tiles, [&](const PixelGroup& group, int set) {
     GroupFailures failures(in, march, group);
     for (const glm::vec4& sample : samples.directions) {
       failures.add(sample, samples.sets[std::size_t(set)].z, sums);

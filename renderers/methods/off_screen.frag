@@ -10,7 +10,7 @@ void main() {
   out_share = 0.0;
   if (p.w == 0.0) return;
   vec4 set = pixel_sample_set();
-  mat3 frame = sampling_frame(texelFetch(normal_view, pixel, 0).xyz, set);
+  mat3 frame = sampling_frame(normal_at(pixel), set);
   int outside = 0;
   for (int j = 0; j < PARAMETER_samples; ++j) {
     vec4 s = sample_direction[j];

@@ -10,7 +10,7 @@
 
 namespace occlab {
 
-/// One direction that an occlusion pass adds up; view space.
+/// One direction that an occlusion pass adds up, in any orthonormal space.
 struct SampledDirection {
   glm::vec3 direction;
   float cosine;        ///< n.s
@@ -29,7 +29,11 @@ struct Representation {
   /// A stored value is off by up to this times itself: a half float's last place, as a device may
   /// truncate [GLSL 4.50 sec. 4.7.1], or 0.
   float storage_error = 0.0f;
+  /// Linear in V times the radiance, or in V alone where it does not read radiance.
   void (*accumulate)(Values& sums, const SampledDirection& sample) = nullptr;
+  /// Sums of directions given in a frame become those of the directions in the space that the
+  /// frame's columns are given in; null where they do not depend on the space.
+  void (*turn)(Values& sums, const glm::mat3& frame) = nullptr;
   /// Sums over `count` directions become the representation, as the occlusion pass writes it.
   void (*result)(Values& sums, int count) = nullptr;
   /// E (not clamped) of the probe and the lights.

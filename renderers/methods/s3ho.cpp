@@ -1,6 +1,7 @@
 #include "renderers/methods/representation_layers.h"
 #include "renderers/methods/screen_space.h"
 #include "renderers/shared/representation_sh4.h"
+#include "renderers/shared/sh_rotation.h"
 
 namespace occlab {
 namespace {
@@ -26,6 +27,8 @@ constexpr Representation visibility_sh = {
           sh4_accumulate(sum, s.visibility, s.direction, s.cosine);
           sums = values_of(sum);
         },
+    .turn = [](Values& sums,
+               const glm::mat3& frame) { sums = values_of(sh_rotate(sh_of(sums), frame)); },
     .result = [](Values& sums, int count) { sums = values_of(sh4_result(sh_of(sums), count)); },
     .irradiance = irradiance,
     .upload = upload_packed_sh,

@@ -11,7 +11,7 @@ void main() {
   out_low = uvec4(0u);
   out_high = uvec4(0u);
   if (p.w == 0.0) return;
-  vec3 n = texelFetch(normal_view, pixel, 0).xyz;
+  vec3 n = normal_at(pixel);
   vec4 set = pixel_sample_set();
   mat3 frame = sampling_frame(n, set);
   Sh4 sum = sh_zero();

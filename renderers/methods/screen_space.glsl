@@ -29,6 +29,15 @@ uniform float focal_pixels;
 uniform vec2 image_center;
 uniform mat3 probe_from_view;
 
+// The shading normal, unit; stored as halves it is up to 2^-10 off that.
+vec3 normal_at(ivec2 pixel) {
+  vec3 n = texelFetch(normal_view, pixel, 0).xyz;
+#if PARAMETER_gbuffer_bits == GBUFFER_BITS_16
+  n = n / sqrt(dot(n, n));
+#endif
+  return n;
+}
+
 vec4 pixel_sample_set() {
   ivec2 pixel = ivec2(gl_FragCoord.xy) & 3;
   return sample_set[pixel.x + 4 * pixel.y];

@@ -10,7 +10,7 @@ void main() {
   vec4 p = texelFetch(position_view, pixel, 0);
   out_radiance = vec4(0.0);
   if (p.w == 0.0) return;
-  vec3 n = texelFetch(normal_view, pixel, 0).xyz;
+  vec3 n = normal_at(pixel);
   vec3 E = unoccluded_irradiance(n);
 #if LIGHT_COUNT > 0
   for (int i = 0; i < LIGHT_COUNT; ++i) {

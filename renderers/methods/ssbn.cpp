@@ -36,6 +36,11 @@ constexpr Representation bent_cone = {
           bent_cone_accumulate(sum, s.visibility, s.direction);
           set_rgba(sums, sum);
         },
+    .turn =
+        [](Values& sums, const glm::mat3& frame) {
+          const glm::vec4 sum = rgba(sums);
+          set_rgba(sums, glm::vec4(frame * glm::vec3(sum), sum.w));
+        },
     .result = [](Values& sums, int count) { set_rgba(sums, bent_cone_result(rgba(sums), count)); },
     .irradiance = irradiance,
     .upload = upload_floats,

@@ -9,7 +9,7 @@ void main() {
   vec4 p = texelFetch(position_view, pixel, 0);
   out_bent_cone = vec4(0.0);
   if (p.w == 0.0) return;
-  vec3 n = texelFetch(normal_view, pixel, 0).xyz;
+  vec3 n = normal_at(pixel);
   vec4 set = pixel_sample_set();
   mat3 frame = sampling_frame(n, set);
   vec4 sum = vec4(0.0);

@@ -10,7 +10,7 @@ void main() {
   vec4 p = texelFetch(position_view, pixel, 0);
   out_radiance = vec4(0.0);
   if (p.w == 0.0) return;
-  vec3 n = texelFetch(normal_view, pixel, 0).xyz;
+  vec3 n = normal_at(pixel);
   vec4 bent = texelFetch(bent_cone, pixel, 0);
   float bent_length = length(bent.xyz);
   if (bent_length == 0.0) return;

@@ -4,48 +4,48 @@
 #include <functional>
 #include <glm/glm.hpp>
 #include <optional>
+#include <variant>
 
 #include "renderers/gl/gbuffer.h"
 #include "renderers/methods/pass_constants.h"
 #include "renderers/methods/sample_set.h"
 #include "renderers/trace/packet.h"
+#include "renderers/trace/tile_visibility.h"
 #include "renderers/trace/traced_scene.h"
 
 namespace occlab {
-
-/// 16 pixels of one interleaved set, every fourth of a 16x16 block each way: a direction of the
-/// sample set is the same one in all their turned tangent frames, so that rays travel together.
-/// View space; inactive lanes show no surface.
-struct PixelGroup {
-  std::array<glm::ivec2, lane_count> pixel{};
-  LaneMask active;
-  bool any = false;
-  std::array<glm::vec3, lane_count> position{};
-  std::array<glm::vec3, lane_count> normal{};
-  std::array<glm::vec3, lane_count> geometric_normal{};
-  std::array<glm::mat3, lane_count> frame{};  ///< columns: turned tangent, bitangent, normal
-};
-
-/// The group of interleaved set `set` (0 to 15) in the block whose first pixel is `corner`.
-PixelGroup pixel_group(const GBufferImages& surface, const SampleSet& samples, glm::ivec2 corner,
-                       int set);
-
-/// Calls body(group, set) for every group of the image that shows any surface, on all threads.
-/// Throws Interrupted.
-void for_each_group(const GBufferImages& surface, const SampleSet& samples,
-                    const std::function<void(const PixelGroup& group, int set)>& body);
-
-using LaneDirections = std::array<glm::vec3, lane_count>;
 
 struct ShadedPoint {
   glm::vec3 position;  ///< view space
   glm::vec3 normal;    ///< view space, unit
 };
 
-/// V of one unit direction a lane, view space. Blockers count within `reach` (and d_max); `xi` is
-/// the march offset. What inactive lanes get does not matter.
-using VisibilitySource = std::function<Lanes(
-    const PixelGroup& group, const LaneDirections& direction, float xi, const Lanes& reach)>;
+/// 16 pixels that one of the 16 turns of the sample set is for: a direction of the set is the same
+/// one in all their turned tangent frames. View space; inactive lanes show no surface.
+struct PixelGroup {
+  std::array<glm::ivec2, lane_count> pixel{};
+  LaneMask active;
+  bool any = false;
+  std::array<glm::vec3, lane_count> position{};
+  std::array<glm::vec3, lane_count> geometric_normal{};
+  LaneFrames frame;  ///< turned tangent, bitangent, normal
+
+  ShadedPoint point(int lane) const {
+    return {position[std::size_t(lane)], at(frame.normal, lane)};
+  }
+};
+
+/// Which pixels have a turn in common.
+enum class TurnPattern {
+  interleaved,  ///< every fourth each way, as in the shaders
+  tiles,        ///< 4x4 neighbours, whose rays travel together
+};
+
+/// Calls body(group, set) for every group of the image that shows any surface, on all threads.
+/// `body` is copied for every block of 16x16 pixels: what it holds by value is one thread's. Throws
+/// Interrupted.
+void for_each_group(const GBufferImages& surface, const SampleSet& samples, TurnPattern pattern,
+                    const std::function<void(const PixelGroup& group, int set)>& body);
 
 /// screen_space.glsl's march through the depth buffer, from the header that the shaders include.
 class DepthMarch {
@@ -75,20 +75,60 @@ class DepthMarch {
   float focal_pixels_;
 };
 
-/// DepthMarch of each lane. `surface` outlives the result.
-VisibilitySource depth_visibility(const GBufferImages& surface, const View& view,
-                                  const PassConstants& constants);
-
 /// A ray a lane, world space, from `lift_world` above the surface along its geometric normal.
 struct GroupRays {
   Lanes3 origin;
   Lanes3 direction;
 };
-GroupRays rays_of(const PixelGroup& group, const LaneDirections& direction, const View& view,
+GroupRays rays_of(const PixelGroup& group, const Lanes3& direction_view, const View& view,
                   float lift_world);
 
-/// Rays through the whole scene, from the lifted points that the reference starts at. `traced`
-/// outlives the result.
+/// Rays through the whole scene, from the lifted points that the reference starts at.
+class TracedRays {
+ public:
+  /// `traced` outlives this.
+  TracedRays(const TracedScene& traced, const View& view, const PassConstants& constants);
+
+  void set_group(const PixelGroup& group, long directions);
+  Lanes toward(glm::vec3 direction_tangent, int cell);
+  Lanes along(const PixelGroup& group, const Lanes3& direction_view, const Lanes& reach);
+
+ private:
+  View view_;
+  float lift_world_;
+  TileFrame tile_;
+  TileVisibility visibility_;
+};
+
+/// V of a group's pixels, from the depth buffer or from rays. Every thread has its own copy.
+class VisibilitySource {
+ public:
+  explicit VisibilitySource(DepthMarch march, float d_max_world) : source_(std::move(march)) {
+    d_max_world_.v.fill(d_max_world);
+  }
+  explicit VisibilitySource(TracedRays rays) : source_(std::move(rays)) {}
+
+  /// Goes to a group, which must stay until the next. `directions`: how many toward() will be asked
+  /// for.
+  void set_group(const PixelGroup& group, long directions);
+  /// V in one unit direction of the group's frames; `cell` is its tangent_cell(). Blockers count
+  /// within d_max; `xi` is the march offset. What inactive lanes get does not matter.
+  Lanes toward(glm::vec3 direction_tangent, int cell, float xi);
+  /// V in a unit direction a lane, view space. Blockers count within `reach`, which is at most
+  /// d_max.
+  Lanes along(const Lanes3& direction_view, float xi, const Lanes& reach);
+
+ private:
+  std::variant<DepthMarch, TracedRays> source_;
+  Lanes d_max_world_;
+  const PixelGroup* group_ = nullptr;
+};
+
+/// The march of the passes. `surface` outlives the result.
+VisibilitySource depth_visibility(const GBufferImages& surface, const View& view,
+                                  const PassConstants& constants);
+
+/// Rays. `traced` outlives the result.
 VisibilitySource traced_visibility(const TracedScene& traced, const View& view,
                                    const PassConstants& constants);
 

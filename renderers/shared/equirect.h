@@ -9,7 +9,7 @@ SHARED_BEGIN
 SHARED vec2 equirect_uv(vec3 d) {
   // Not the arccosine of d.y, which near the poles loses half of the digits.
   const float from_axis = sqrt(d.x * d.x + d.z * d.z);
-  return vec2(0.5f + arctan2(d.z, d.x) / (2.0f * pi), arctan2(from_axis, d.y) / pi);
+  return vec2(0.5f + arctan2(d.z, d.x) * 0.1591549431f, arctan2(from_axis, d.y) * 0.3183098862f);
 }
 
 // Unit direction, probe space, of (u, v).

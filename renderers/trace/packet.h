@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cmath>
+#include <glm/glm.hpp>
 #include <limits>
 
 namespace occlab {
@@ -31,15 +32,42 @@ inline Float8 abs8(Float8 x) { return x < 0.0f ? -x : x; }
 struct Lanes3 {
   Lanes x, y, z;
 };
+inline glm::vec3 at(const Lanes3& lanes, int lane) {
+  return {lanes.x[lane], lanes.y[lane], lanes.z[lane]};
+}
+inline void set_lane(Lanes3& lanes, int lane, glm::vec3 value) {
+  lanes.x[lane] = value.x;
+  lanes.y[lane] = value.y;
+  lanes.z[lane] = value.z;
+}
 struct alignas(64) LaneMask {
   std::array<int, lane_count> v{};  ///< -1: active, 0: not, as Embree has it
   int& operator[](int lane) { return v[std::size_t(lane)]; }
   int operator[](int lane) const { return v[std::size_t(lane)]; }
 };
 
+/// An orthonormal frame a lane.
+struct LaneFrames {
+  Lanes3 tangent, bitangent, normal;
+};
+/// A direction of all the frames, in the space that they are given in. Always inlined, for it to be
+/// compiled as its caller is: with fused products or without.
+[[gnu::always_inline]] inline Lanes3 out_of(const LaneFrames& frames, glm::vec3 d) {
+  Lanes3 result;
+  for (const int half : half_lanes) {
+    const auto turned = [&](const Lanes& t, const Lanes& b, const Lanes& n) {
+      return load8(t, half) * d.x + load8(b, half) * d.y + load8(n, half) * d.z;
+    };
+    store8(result.x, half, turned(frames.tangent.x, frames.bitangent.x, frames.normal.x));
+    store8(result.y, half, turned(frames.tangent.y, frames.bitangent.y, frames.normal.y));
+    store8(result.z, half, turned(frames.tangent.z, frames.bitangent.z, frames.normal.z));
+  }
+  return result;
+}
+
 /// shared/trigonometry.h's arctan2, for vectors: the look-ups of the passes and of the reference
-/// are the same.
-inline Float8 atan2_8(Float8 y, Float8 x) {
+/// are the same. Inlined as out_of() is.
+[[gnu::always_inline]] inline Float8 atan2_8(Float8 y, Float8 x) {
   const Float8 ax = abs8(x);
   const Float8 ay = abs8(y);
   const Float8 larger = ax > ay ? ax : ay;
@@ -61,6 +89,29 @@ inline Float8 atan2_8(Float8 y, Float8 x) {
 }
 
 inline Float8 sqrt8(Float8 x) { return _mm256_sqrt_ps(x); }
+
+/// The texels, row by row, that eight of the directions meet in an image over the sphere:
+/// shared/equirect.h's equirect_uv() without branches.
+[[gnu::always_inline]] inline Int8 equirect_index8(const glm::mat3& probe_from_space,
+                                                   const Lanes3& direction, int half, int width,
+                                                   int height) {
+  const auto& m = probe_from_space;
+  const Float8 dx = load8(direction.x, half);
+  const Float8 dy = load8(direction.y, half);
+  const Float8 dz = load8(direction.z, half);
+  const Float8 x = m[0][0] * dx + m[1][0] * dy + m[2][0] * dz;
+  const Float8 y = m[0][1] * dx + m[1][1] * dy + m[2][1] * dz;
+  const Float8 z = m[0][2] * dx + m[1][2] * dy + m[2][2] * dz;
+  const Float8 u = 0.5f + atan2_8(z, x) * 0.1591549431f;
+  // Not the arccosine of y, as in shared/equirect.h.
+  const Float8 v = atan2_8(sqrt8(x * x + z * z), y) * 0.3183098862f;
+  const auto clamped = [](Float8 value, int size) {
+    const Int8 i = __builtin_convertvector(value * float(size), Int8);
+    const Int8 least = i > 0 ? i : Int8{};
+    return least < size ? least : Int8{} + (size - 1);
+  };
+  return clamped(v, height) * width + clamped(u, width);
+}
 
 /// Fills a packet of rays from `origin` along `direction`, from 0 to `distance`.
 template <typename Ray>

@@ -48,10 +48,6 @@ glm::dvec4 cone_of_cell(const Direction& direction) {
   return {axis, angle + cell_margin};
 }
 
-glm::vec3 at(const Lanes3& lanes, int lane) {
-  return {lanes.x[lane], lanes.y[lane], lanes.z[lane]};
-}
-
 }  // namespace
 
 int tangent_cell(const glm::vec3& d) {

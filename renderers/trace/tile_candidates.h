@@ -40,10 +40,9 @@ struct alignas(32) DirectionCones {
 };
 
 /// The pixels of a tile, world space.
-struct TileFrame {
+struct TileFrame : LaneFrames {
   LaneMask active;  ///< at least one
   Lanes3 origin;
-  Lanes3 tangent, bitangent, normal;
 };
 
 enum class CellKinds { tangent, cube, both };

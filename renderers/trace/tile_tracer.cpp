@@ -14,12 +14,6 @@ glm::vec3 vec3_at(const Image& image, int x, int y) {
   return {image.at(x, y, 0), image.at(x, y, 1), image.at(x, y, 2)};
 }
 
-void set_lane(Lanes3& lanes, int lane, glm::vec3 value) {
-  lanes.x[lane] = value.x;
-  lanes.y[lane] = value.y;
-  lanes.z[lane] = value.z;
-}
-
 }  // namespace
 
 Tile load_tile(const SurfacePoints& points, const View& view, int x0, int y0, float lift_world) {
@@ -57,25 +51,12 @@ void TileTracer::add_cosine(float u, float v, RaySums& sums) {
   const float x = radius * std::cos(2.0f * pi * v);
   const float y = radius * std::sin(2.0f * pi * v);
   const float cosine = std::sqrt(1.0f - u);
-  Lanes3 direction;
-  for (const int half : half_lanes) {
-    const auto turned = [&](const Lanes& t, const Lanes& b, const Lanes& n) {
-      return load8(t, half) * x + load8(b, half) * y + load8(n, half) * cosine;
-    };
-    store8(direction.x, half, turned(tile_->tangent.x, tile_->bitangent.x, tile_->normal.x));
-    store8(direction.y, half, turned(tile_->tangent.y, tile_->bitangent.y, tile_->normal.y));
-    store8(direction.z, half, turned(tile_->tangent.z, tile_->bitangent.z, tile_->normal.z));
-  }
+  const Lanes3 direction = out_of(*tile_, {x, y, cosine});
   // Texels are fetched while the rays are traced.
-  const auto& m = table_.probe_from_world;
   alignas(32) std::array<const ProbeTable::Texel*, lane_count> texels;
   for (const int half : half_lanes) {
-    const Float8 dx = load8(direction.x, half);
-    const Float8 dy = load8(direction.y, half);
-    const Float8 dz = load8(direction.z, half);
-    const Int8 index = table_.index(m[0][0] * dx + m[1][0] * dy + m[2][0] * dz,
-                                    m[0][1] * dx + m[1][1] * dy + m[2][1] * dz,
-                                    m[0][2] * dx + m[1][2] * dy + m[2][2] * dz);
+    const Int8 index =
+        equirect_index8(table_.probe_from_world, direction, half, table_.width, table_.height);
     for (std::size_t i = 0; i < 8; ++i) {
       const ProbeTable::Texel* texel = &table_.texels[std::size_t(index[i])];
       _mm_prefetch(texel, _MM_HINT_T0);

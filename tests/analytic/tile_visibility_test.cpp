@@ -56,16 +56,6 @@ Scene strewn_scene(int count, float size) {
   return builder.instance(count > 0 ? 3 : 2, moved).build();
 }
 
-void set_lane(Lanes3& lanes, int lane, glm::vec3 value) {
-  lanes.x[lane] = value.x;
-  lanes.y[lane] = value.y;
-  lanes.z[lane] = value.z;
-}
-
-glm::vec3 at(const Lanes3& lanes, int lane) {
-  return {lanes.x[lane], lanes.y[lane], lanes.z[lane]};
-}
-
 /// 16 points within `extent`, whose normals differ by about `bend`; one in ten is not active.
 TileFrame random_tile(Random& random, float extent, float bend) {
   TileFrame tile;

@@ -125,7 +125,8 @@ TEST(FailureClasses, AddUpToTheMarchLessTheRays) {
     Image sums(frame.width(), frame.height(), 3);
     const std::array<const Representation*, 1> one = {&representation};
     for (const std::uint64_t seed : {one_round.seed, one_round.seed + 1}) {
-      add_directions(pass, make_sample_set(one_round.first_round, seed), one, std::span(&sums, 1));
+      add_directions(pass, make_sample_set(one_round.first_round, seed), TurnPattern::tiles, one,
+                     std::span(&sums, 1));
     }
     return light_on_cpu(representation,
                         representation_of(representation, sums, 2 * one_round.first_round),

@@ -1,6 +1,4 @@
-// renderers/shared/sh.h against quadrature and closed forms.
-#include "renderers/shared/sh.h"
-
+// renderers/shared/sh.h and sh_rotation.h against quadrature and closed forms.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -10,6 +8,8 @@
 #include <random>
 
 #include "renderers/scene/environment.h"
+#include "renderers/shared/frame.h"
+#include "renderers/shared/sh_rotation.h"
 
 namespace occlab {
 namespace {
@@ -253,6 +253,42 @@ TEST(ProjectSh, TexelsAreIntegratedNotSampled) {
   // Gauss-Legendre over 45 degrees leaves about (pi/4)^4 l^4 / 4320 of band l = 3.
   for (int k = 0; k < 16; ++k) {
     EXPECT_NEAR(coefficient(sh.r, k), expected[std::size_t(k)], 4e-3) << k;
+  }
+}
+
+/// A function turned with its space: y_i(d) of a frame is the basis at frame * d.
+void expect_turns_the_basis(const mat3& frame) {
+  for (const glm::vec3& d : random_directions(20, 3)) {
+    const Sh4 turned = sh_basis(normalize(frame * d));
+    // Orthonormal matrices: the rotation of y(d) is y(frame d).
+    const Sh4 rotated = sh_rotate(sh_basis(d), frame);
+    for (int i = 0; i < 16; ++i) {
+      EXPECT_NEAR(coefficient(rotated, i), coefficient(turned, i), 3e-6) << i;
+    }
+  }
+}
+
+TEST(Sh, RotatesFromSamplingFrames) {
+  std::vector<glm::vec3> normals = random_directions(100, 5);
+  for (const float z : {1.0f, -1.0f}) {
+    for (const float x : {0.0f, 1e-30f, 1e-12f, 1e-6f, -1e-3f, 0.1f}) {
+      normals.push_back(glm::normalize(glm::vec3(x, 0.5f * x, z)));
+      normals.push_back(glm::normalize(glm::vec3(0, -x, z)));
+    }
+  }
+  for (const glm::vec3& n : normals) {
+    for (const float turn : {0.0f, 0.3f, 2.0f, -3.0f}) {
+      expect_turns_the_basis(sampling_frame(n, vec4(std::cos(turn), std::sin(turn), 0, 0)));
+    }
+  }
+}
+
+TEST(Sh, RotationOfAnyFrame) {
+  // Axes onto axes, where all the angles are degenerate.
+  const glm::vec3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
+  for (const mat3& frame : {mat3(x, y, z), mat3(-x, -y, z), mat3(y, z, x), mat3(z, x, y),
+                            mat3(-z, y, x), mat3(x, -y, -z), mat3(-x, y, -z), mat3(y, x, -z)}) {
+    expect_turns_the_basis(frame);
   }
 }
 

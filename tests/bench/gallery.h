@@ -1,0 +1,22 @@
+#pragma once
+
+#include "harness/workbench.h"
+
+namespace occlab::bench {
+
+// The frame of the S3HO study.
+inline constexpr int width = 1280;
+inline constexpr int height = 720;
+inline constexpr float d_max_world = 0.5f;
+
+inline Workbench& gallery() {
+  static Workbench bench({.scene = "gallery",
+                          .view = "main",
+                          .width = width,
+                          .height = height,
+                          .probe = ProbeSettings{.source = "cathedral", .prefilter_degrees = 8.0f}},
+                         "surfaceless");
+  return bench;
+}
+
+}  // namespace occlab::bench
