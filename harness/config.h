@@ -44,13 +44,25 @@ struct RunSettings {
   int seeds = 1;  ///< reseeded runs, `seed` = 0 .. seeds - 1
 };
 
+struct Resolution {
+  int width = 0;  ///< pixels
+  int height = 0;
+  bool operator==(const Resolution&) const = default;
+};
+
 struct TimingSettings {
   std::vector<std::string> methods;
   std::vector<Axis> axes;
-  std::string baseline;  ///< one of `methods`
-  int repetitions = 7;   ///< at least
+  // Three more axes; empty: as the scene and the environment have it.
+  std::vector<Resolution> resolutions;
+  std::vector<long> triangles;  ///< each of the scene's is split until there are about so many
+  std::vector<long> threads;    ///< of the software rasteriser
+  bool one_by_one = false;      ///< the axes are varied one at a time, else crossed
+  std::string baseline;         ///< one of `methods`
+  int repetitions = 7;          ///< at least
   double budget_seconds = 60.0;
   std::string published;  ///< results/published/NAME.csv; empty: none
+  std::string note;       ///< stands under the table; may be empty
 };
 
 /// The error budget of every method of the runs (error_budget.h).
@@ -120,11 +132,26 @@ struct PlannedCell {
 /// `methods` outlives the result.
 std::vector<PlannedCell> plan(const Experiment& experiment, const std::vector<MethodInfo>& methods);
 
-/// The variants to time: for each point of the axes (first axis slowest) every method; the cells of
-/// one point share a group, so that the baseline of a group is its denominator. Empty without
-/// [timing].
-std::vector<PlannedCell> plan_timing(const Experiment& experiment,
-                                     const std::vector<MethodInfo>& methods);
+/// What is timed: a method under what its time depends on.
+struct TimedCell {
+  PlannedCell cell;  ///< cells of one point of the axes share a group: they have one baseline
+  Resolution resolution;
+  long triangles = 0;             ///< asked for; 0: as the scene is
+  int threads = 0;                ///< 0: as the environment says
+  std::vector<std::string> axes;  ///< where axes are varied one by one: those this is a point of
+};
+
+/// The names of the axes that are no parameters.
+inline constexpr const char* resolution_axis = "resolution";
+inline constexpr const char* triangles_axis = "triangles";
+inline constexpr const char* threads_axis = "threads";
+
+/// The cells to time: for each point of the axes every method. Crossed, the first axis varies
+/// slowest: threads, triangles, resolution, then the parameters. One by one, a point is that of
+/// [scene] and [parameters] with one value of one axis in its place; equal points are one. Empty
+/// without [timing].
+std::vector<TimedCell> plan_timing(const Experiment& experiment,
+                                   const std::vector<MethodInfo>& methods);
 
 /// No group of cells, or several, where one was to be selected.
 class SelectionError : public InputError {

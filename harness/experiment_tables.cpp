@@ -12,9 +12,46 @@
 
 namespace occlab {
 
-TimingTableSettings timing_table_settings(const Experiment& experiment) {
+TimingTableSettings timing_table_settings(const Experiment& experiment,
+                                          const nlohmann::json& timing_context) {
   if (!experiment.timing) return {};
-  return {experiment.timing->baseline, experiment.timing->published};
+  TimingTableSettings settings{experiment.timing->baseline, experiment.timing->published, {}};
+  if (!experiment.timing->note.empty()) settings.notes.push_back(experiment.timing->note);
+  if (timing_context.is_object()) {
+    for (std::string& note : timing_context.value("notes", std::vector<std::string>())) {
+      settings.notes.push_back(std::move(note));
+    }
+  }
+  return settings;
+}
+
+nlohmann::json to_json(const TimingTableSettings& settings) {
+  return {{"baseline", settings.baseline},
+          {"published", settings.published},
+          {"notes", settings.notes}};
+}
+
+TimingTableSettings stored_timing_table_settings(const nlohmann::json& stored) {
+  return {stored.value("baseline", ""), stored.value("published", ""),
+          stored.value("notes", std::vector<std::string>())};
+}
+
+std::vector<Table> make_timing_tables(const std::vector<Measurement>& measurements,
+                                      const TimingTableSettings& timing) {
+  if (timing.baseline.empty()) return {};
+  std::optional<PublishedTimes> published;
+  if (!timing.published.empty()) {
+    published = read_published_times(published_path(timing.published));
+  }
+  std::vector<Table> tables;
+  if (published && published->frame_rates) {
+    tables.push_back(frame_rate_table(measurements, timing, *published));
+    published.reset();
+  }
+  tables.push_back(timing_table(measurements, timing, published));
+  tables.push_back(scaling_table(measurements));
+  std::erase_if(tables, [](const Table& table) { return table.rows.empty(); });
+  return tables;
 }
 
 std::vector<Table> make_tables(const std::vector<Measurement>& measurements,
@@ -27,13 +64,7 @@ std::vector<Table> make_tables(const std::vector<Measurement>& measurements,
   const auto add = [&](Table table) {
     if (!table.rows.empty()) tables.push_back(std::move(table));
   };
-  if (!timing.baseline.empty()) {
-    std::optional<PublishedTimes> published;
-    if (!timing.published.empty()) {
-      published = read_published_times(published_path(timing.published));
-    }
-    add(timing_table(measurements, timing.baseline, published));
-  }
+  for (Table& table : make_timing_tables(measurements, timing)) add(std::move(table));
   const std::array<std::string, 2> stages = {"unfiltered", "filtered"};
   std::vector<Table> comparison_tables;
   for (const std::string& stage : stages) {

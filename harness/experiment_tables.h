@@ -1,26 +1,35 @@
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "harness/config.h"
 #include "harness/tables.h"
+#include "harness/timing_tables.h"
 
 namespace occlab {
 
-/// What the timing table needs besides the measurements; run.json keeps it.
-struct TimingTableSettings {
-  std::string baseline;   ///< the method that ratios are to; empty: no times
-  std::string published;  ///< results/published/NAME.csv; empty: none
-};
-TimingTableSettings timing_table_settings(const Experiment& experiment);
+/// What the tables of times need: of the experiment, and the notes of the timing's context
+/// (TimingResult), if there is one.
+TimingTableSettings timing_table_settings(const Experiment& experiment,
+                                          const nlohmann::json& timing_context = {});
 
-/// The tables of a results folder, in reading order: times beside the published ones; noise and
+/// As run.json keeps it in `timing_table`, and back.
+nlohmann::json to_json(const TimingTableSettings& settings);
+TimingTableSettings stored_timing_table_settings(const nlohmann::json& stored);
+
+/// The tables of a results folder, in reading order: times beside the published ones and
+/// how they grow; noise and
 /// accuracy of both stages; accuracy in the closeups; the comparisons behind the marks of the
 /// winners; orderings. Those without a row are left out. The closeups' comparisons are not printed:
 /// their ratios are among the orderings.
 std::vector<Table> make_tables(const std::vector<Measurement>& measurements,
                                const TimingTableSettings& timing);
+
+/// Those of the times alone.
+std::vector<Table> make_timing_tables(const std::vector<Measurement>& measurements,
+                                      const TimingTableSettings& timing);
 
 /// Every table in every format, as FOLDER/NAME.md and so on.
 void write_tables(const std::vector<Table>& tables, const std::filesystem::path& folder);

@@ -40,6 +40,10 @@ bool is_time(const Measurement& measurement) {
          measurement.metric.starts_with("time_ratio.");
 }
 
+bool is_exponent(const Measurement& measurement) {
+  return measurement.metric.starts_with("time_exponent.");
+}
+
 bool is_over_seeds(const Measurement& measurement) {
   constexpr std::array<std::string_view, 4> metrics = {"noise", "bias", "bias_squared", "mse"};
   return std::ranges::find(metrics, measurement.metric) != metrics.end();
@@ -68,8 +72,9 @@ bool is_of_reference(const Measurement& measurement) {
 }
 
 bool is_accuracy(const Measurement& measurement) {
-  return !is_time(measurement) && !is_over_seeds(measurement) && !is_budget(measurement) &&
-         !is_of_reference(measurement) && !compared_metric(measurement.metric);
+  return !is_time(measurement) && !is_exponent(measurement) && !is_over_seeds(measurement) &&
+         !is_budget(measurement) && !is_of_reference(measurement) &&
+         !compared_metric(measurement.metric);
 }
 
 bool comparable(const Measurement& a, const Measurement& b) {

@@ -24,6 +24,9 @@ std::string facts_key(const Facts& facts);
 /// `time_ms.PASS` and `time_ratio.PASS`.
 bool is_time(const Measurement& measurement);
 
+/// `time_exponent.AXIS.PASS`: how a time grows with what is varied (timing_rows.h).
+bool is_exponent(const Measurement& measurement);
+
 /// noise, bias, bias_squared, mse: what only several seeds together can tell.
 bool is_over_seeds(const Measurement& measurement);
 

@@ -1,4 +1,4 @@
-// plan, plan_timing and select_group of config.h.
+// plan and select_group of config.h.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -6,18 +6,16 @@
 #include <algorithm>
 #include <cassert>
 
-#include "harness/config.h"
+#include "harness/plan_parts.h"
 
 namespace occlab {
-namespace {
 
-const MethodInfo& declared_method(const std::vector<MethodInfo>& methods, const std::string& name) {
+const MethodInfo& planned_method(const std::vector<MethodInfo>& methods, const std::string& name) {
   const auto method = std::ranges::find(methods, name, &MethodInfo::name);
   assert(method != methods.end());
   return *method;
 }
 
-/// The defaults, then [parameters] as far as the method declares them.
 ParameterSet common_parameters(const Experiment& experiment, const MethodInfo& method) {
   ParameterSet parameters(method.parameters);
   for (const auto& [name, value] : experiment.parameters) {
@@ -25,6 +23,8 @@ ParameterSet common_parameters(const Experiment& experiment, const MethodInfo& m
   }
   return parameters;
 }
+
+namespace {
 
 /// Every point of the crossed axes; the first axis varies slowest. Without axes, one empty point.
 std::vector<NamedValues> cross(const std::vector<Axis>& axes) {
@@ -70,14 +70,14 @@ std::vector<PlannedCell> plan(const Experiment& experiment,
   std::vector<PlannedCell> cells;
   int group = 0;
   if (experiment.reference) {
-    const MethodInfo& method = declared_method(methods, experiment.reference->method);
+    const MethodInfo& method = planned_method(methods, experiment.reference->method);
     ParameterSet parameters = common_parameters(experiment, method);
     for (const auto& [name, value] : experiment.reference->parameters) parameters.set(name, value);
     cells.push_back({Role::reference, method.name, std::move(parameters), group++});
   }
   for (const RunSettings& run : experiment.runs) {
     for (const std::string& name : run.methods) {
-      const MethodInfo& method = declared_method(methods, name);
+      const MethodInfo& method = planned_method(methods, name);
       for (const NamedValues& point : cross(run.axes)) {
         ParameterSet parameters = common_parameters(experiment, method);
         for (const auto& [parameter, value] : point) parameters.set(parameter, value);
@@ -88,23 +88,6 @@ std::vector<PlannedCell> plan(const Experiment& experiment,
         ++group;
       }
     }
-  }
-  return cells;
-}
-
-std::vector<PlannedCell> plan_timing(const Experiment& experiment,
-                                     const std::vector<MethodInfo>& methods) {
-  std::vector<PlannedCell> cells;
-  if (!experiment.timing) return cells;
-  int group = 0;
-  for (const NamedValues& point : cross(experiment.timing->axes)) {
-    for (const std::string& name : experiment.timing->methods) {
-      const MethodInfo& method = declared_method(methods, name);
-      ParameterSet parameters = common_parameters(experiment, method);
-      for (const auto& [parameter, value] : point) parameters.set(parameter, value);
-      cells.push_back({Role::test, name, std::move(parameters), group});
-    }
-    ++group;
   }
   return cells;
 }

@@ -30,8 +30,10 @@ std::string timing_key_of(const Experiment& experiment, const Workbench& bench) 
   if (const auto& timing = experiment.timing) {
     text += fmt::format(" {} {} {}", timing->baseline, timing->repetitions, timing->budget_seconds);
   }
-  for (const PlannedCell& cell : plan_timing(experiment, methods())) {
-    text += fmt::format(" {} {}", cell.method, cell.parameters.to_string());
+  for (const TimedCell& timed : plan_timing(experiment, methods())) {
+    text += fmt::format(" {} {} {}x{} {}", timed.cell.method, timed.cell.parameters.to_string(),
+                        timed.resolution.width, timed.resolution.height, timed.triangles);
+    for (const std::string& axis : timed.axes) text += " " + axis;
   }
   return sha256_text(text);
 }

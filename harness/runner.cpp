@@ -117,9 +117,11 @@ class Run {
     if (rendered == 0 && timed && measured && outputs_exist()) {
       fmt::print(stderr, "{}: everything is done; --fresh does it again\n",
                  store_.folder().string());
-      fmt::print("{}", format_tables(make_tables(read_measurements(measurements_path()),
-                                                 timing_table_settings(experiment_)),
-                                     "md"));
+      fmt::print("{}",
+                 format_tables(make_tables(read_measurements(measurements_path()),
+                                           timing_table_settings(experiment_,
+                                                                 previous.value("timing", json()))),
+                               "md"));
       return;
     }
     std::vector<Measurement> rows = measured ? previous_rows(false) : measure();
@@ -136,7 +138,8 @@ class Run {
     }
     rows.insert(rows.end(), times.begin(), times.end());
     write_measurements(measurements_path(), rows);
-    const std::vector<Table> tables = make_tables(rows, timing_table_settings(experiment_));
+    const TimingTableSettings table_settings = timing_table_settings(experiment_, timing_context);
+    const std::vector<Table> tables = make_tables(rows, table_settings);
     write_tables(tables, store_.folder() / "tables");
     write_figures(experiment_, measured_cells(), reader(), budget_reader(),
                   store_.folder() / "figures");
@@ -149,9 +152,7 @@ class Run {
     }
     report["timing_key"] = timing_key;
     report["timing"] = timing_context;
-    const TimingTableSettings table_settings = timing_table_settings(experiment_);
-    report["timing_table"] = {{"baseline", table_settings.baseline},
-                              {"published", table_settings.published}};
+    report["timing_table"] = to_json(table_settings);
     report["measurements_sha256"] = sha256_file(measurements_path());
     report["warnings"] = warnings_;
     report["cells"] = json::array();

@@ -7,7 +7,6 @@
 
 #include "harness/comparisons.h"
 #include "harness/measurements.h"
-#include "harness/published.h"
 
 namespace occlab {
 
@@ -60,12 +59,6 @@ Table noise_table(const std::vector<Measurement>& measurements, const std::strin
 /// "equal", "unresolved" or "could not tell: REASON"; and the better method, where the verdict and
 /// the metric say which it is. Has no row where there is nothing to compare.
 Table comparisons_table(const Comparisons& comparisons, std::string name, std::string title);
-
-/// Median times of each pass with quartiles and the ratios to the baseline, beside the published
-/// times of the same method, samples and steps and their ratios to `baseline`. Throws InputError
-/// where times of several devices or clocks are mixed.
-Table timing_table(const std::vector<Measurement>& measurements, const std::string& baseline,
-                   const std::optional<PublishedTimes>& published);
 
 /// Every METRIC_ratio.A/B as the statement "METRIC A > METRIC B", which holds where the whole
 /// interval, corrected after Holm over all statements, is above 1, does not hold where it is below,

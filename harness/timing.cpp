@@ -5,199 +5,276 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
-#include <fstream>
-#include <numeric>
+#include <map>
+#include <memory>
 
 #include "harness/cells.h"
-#include "harness/statistics.h"
-#include "renderers/gl/timer.h"
+#include "harness/machine_facts.h"
+#include "harness/measurement_facts.h"
+#include "harness/run_facts.h"
+#include "harness/timing_loop.h"
+#include "harness/timing_rows.h"
+#include "harness/timing_stage.h"
+#include "renderers/scene/error.h"
 #include "renderers/scene/interrupt.h"
 #include "renderers/scene/parallel.h"
 
 namespace occlab {
 namespace {
 
-constexpr double wanted_interval_width = 0.02;
-
-/// One entry a repetition; the whole frame is the pass "frame".
-using PassTimes = std::vector<std::pair<std::string, std::vector<double>>>;
-
-std::vector<double>& times_of(PassTimes& passes, std::string_view pass) {
-  const auto found = std::ranges::find(passes, pass, &PassTimes::value_type::first);
-  if (found != passes.end()) return found->second;
-  return passes.emplace_back(std::string(pass), std::vector<double>()).second;
-}
-
-const std::vector<double>* find_times(const PassTimes& passes, std::string_view pass) {
-  const auto found = std::ranges::find(passes, pass, &PassTimes::value_type::first);
-  return found == passes.end() ? nullptr : &found->second;
-}
-
 struct Variant {
-  PlannedCell cell;
+  TimedCell cell;
+  TimingStage* stage = nullptr;
   std::unique_ptr<OcclusionMethod> method;
-  PassTimes passes;
-  const Variant* baseline = nullptr;
+  Measurement facts;
 };
 
-std::vector<Variant> make_variants(const Experiment& experiment) {
-  std::vector<Variant> variants;
-  for (PlannedCell& cell : plan_timing(experiment, methods())) {
-    auto method = find_method(cell.method).make();
-    variants.push_back({std::move(cell), std::move(method), {}, nullptr});
+double seconds_now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// What of a cell's facts the axes of the experiment are.
+Measurement facts_of_cell(const Experiment& experiment, const TimedCell& timed,
+                          std::size_t triangles, const Measurement& shared) {
+  Measurement facts = shared;
+  facts.method = timed.cell.method;
+  facts.resolution = fmt::format("{}x{}", timed.resolution.width, timed.resolution.height);
+  facts.parameters = named_parameters(timed.cell.parameters);
+  if (!experiment.timing->triangles.empty()) {
+    facts.parameters.emplace_back(triangles_axis, fmt::format("{}", triangles));
   }
-  for (Variant& variant : variants) {
-    const auto baseline = std::ranges::find_if(variants, [&](const Variant& other) {
-      return other.cell.group == variant.cell.group &&
-             other.cell.method == experiment.timing->baseline;
+  if (!experiment.timing->threads.empty()) {
+    facts.parameters.emplace_back(threads_axis, fmt::format("{}", timed.threads));
+  }
+  return facts;
+}
+
+std::optional<double> place_on(const std::string& axis, const Variant& variant) {
+  const TimedCell& timed = variant.cell;
+  if (axis == resolution_axis) return double(timed.resolution.width) * timed.resolution.height;
+  if (axis == triangles_axis) return double(variant.stage->triangles());
+  if (axis == threads_axis) return double(timed.threads);
+  const ParameterValue& value = timed.cell.parameters.value(axis);
+  if (const long* whole = std::get_if<long>(&value)) return double(*whole);
+  if (const double* real = std::get_if<double>(&value)) return *real;
+  return std::nullopt;  // words have no place on a scale
+}
+
+/// Timing one workbench.
+class Session {
+ public:
+  Session(const Experiment& experiment, Workbench& bench, const std::vector<TimedCell>& cells,
+          Measurement shared)
+      : experiment_(experiment), calibration_(calibrate_clock(bench.frame().programs)) {
+    fmt::print(stderr, "timing: {}\n", calibration_.verdict);
+    shared.clock = to_string(calibration_.clock);
+    for (const TimedCell& cell : cells) add(bench, cell, shared);
+    time();
+    describe_machine(bench);
+  }
+
+  std::vector<TimedSeries> series() const {
+    std::vector<TimedSeries> result;
+    for (std::size_t i = 0; i < variants_.size(); ++i) {
+      const Variant& variant = variants_[i];
+      TimedSeries one{
+          variant.facts, loop_.tasks[i], loop_.tasks[baseline_of(variant)], loop_.rejection, {}};
+      for (const std::string& axis : variant.cell.axes) {
+        const std::optional<double> place = place_on(axis, variant);
+        if (place) one.axes.emplace_back(axis, *place);
+      }
+      result.push_back(std::move(one));
+    }
+    return result;
+  }
+
+  const nlohmann::json& context() const { return context_; }
+
+  std::vector<std::string> notes() const {
+    std::vector<std::string> notes = {
+        calibration_.verdict,
+        fmt::format(
+            "{} rasteriser: {}, {}; {}; {} threads rasterise, {} compute; load {:.2f} before "
+            "and {:.2f} after",
+            context_.at("rasteriser").get<std::string>(), context_.at("device").get<std::string>(),
+            context_.at("driver").get<std::string>(), context_.at("cpu").get<std::string>(),
+            context_.at("rasteriser_threads").get<int>(), thread_count(), load_before_,
+            load_after_)};
+    std::ranges::move(loop_notes(loop_, limits()), std::back_inserter(notes));
+    return notes;
+  }
+
+ private:
+  /// The scene as it is may also be asked for by the number of its triangles; then it is timed
+  /// once.
+  void add(Workbench& bench, const TimedCell& cell, const Measurement& shared) {
+    auto& stage = stages_[cell.triangles];
+    if (!stage) stage = std::make_unique<TimingStage>(bench, cell.triangles);
+    Measurement facts = facts_of_cell(experiment_, cell, stage->triangles(), shared);
+    const std::string key = facts_key(facts_of(facts));
+    const auto known = std::ranges::find_if(variants_, [&](const Variant& variant) {
+      return facts_key(facts_of(variant.facts)) == key;
     });
-    variant.baseline = &*baseline;
+    if (known == variants_.end()) {
+      variants_.push_back({cell, stage.get(), find_method(cell.cell.method).make(), facts});
+    } else if (known->cell.triangles == 0 || cell.triangles == 0) {
+      std::ranges::copy(cell.axes, std::back_inserter(known->cell.axes));
+    } else {
+      throw InputError(fmt::format(
+          "{}: key 'timing.triangles': {} and {} both come to {}; accepted are 1, 4, 9, 16, ... "
+          "times the scene's own {}",
+          experiment_.file.string(), known->cell.triangles, cell.triangles, stage->triangles(),
+          bench.scene().triangle_count()));
+    }
   }
-  return variants;
-}
 
-/// One frame; "frame" is its wall time, so that what lies between the passes shows.
-void run_once(Variant& variant, Frame& frame, Clock clock) {
-  const PassClock plain = frame.clock;
-  frame.clock = [&](std::string_view pass, const std::function<void()>& run) {
-    times_of(variant.passes, pass).push_back(time_ms(clock, run));
-  };
-  const double frame_ms =
-      time_ms(Clock::wall, [&] { variant.method->render(frame, variant.cell.parameters); });
-  times_of(variant.passes, "frame").push_back(frame_ms);
-  frame.clock = plain;
-}
-
-std::vector<std::size_t> random_order(std::size_t count, PortableRandom& random) {
-  std::vector<std::size_t> order(count);
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  for (std::size_t i = count; i > 1; --i) std::swap(order[i - 1], order[random.index(i)]);
-  return order;
-}
-
-/// The widest 95% interval of an occlusion pass's ratio to its baseline, relative to the ratio.
-double widest_interval(const std::vector<Variant>& variants) {
-  double widest = 0.0;
-  for (const Variant& variant : variants) {
-    if (variant.baseline == &variant) continue;
-    const auto& times = *find_times(variant.passes, "occlusion");
-    const auto& baseline = *find_times(variant.baseline->passes, "occlusion");
-    const Interval interval = median_ratio_interval(times, baseline);
-    widest = std::max(widest, (interval.high - interval.low) / median_ratio(times, baseline));
+  TimingLimits limits() const {
+    return {experiment_.timing->repetitions, experiment_.timing->budget_seconds};
   }
-  return widest;
-}
 
-/// Median of the last third over that of the first, of all frames: 1 on a quiet machine.
-double drift(const std::vector<Variant>& variants) {
-  std::vector<double> ratios;
-  for (const Variant& variant : variants) {
-    const std::vector<double>& frames = *find_times(variant.passes, "frame");
-    const std::size_t third = std::max<std::size_t>(1, frames.size() / 3);
-    ratios.push_back(median(std::span(frames).last(third)) /
-                     median(std::span(frames).first(third)));
+  std::size_t baseline_of(const Variant& variant) const {
+    const auto baseline = std::ranges::find_if(variants_, [&](const Variant& other) {
+      return other.cell.cell.group == variant.cell.cell.group &&
+             other.cell.cell.method == experiment_.timing->baseline;
+    });
+    return std::size_t(baseline - variants_.begin());
   }
-  return median(ratios);
-}
 
-std::string cpu_model() {
-  std::ifstream info("/proc/cpuinfo");
-  for (std::string line; std::getline(info, line);) {
-    if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
+  void time() {
+    std::vector<TimingTask> tasks;
+    for (Variant& variant : variants_) {
+      tasks.push_back({baseline_of(variant), [&] {
+                         throw_if_interrupted();
+                         return variant.stage->run(*variant.method, variant.cell.cell.parameters,
+                                                   variant.cell.resolution, calibration_.clock);
+                       }});
+    }
+    load_before_ = load_average();
+    loop_ = run_timing_loop(tasks, limits(), seconds_now, [](int repetition, double width) {
+      fmt::print(stderr, "timing: repetition {}, widest interval of a ratio {:.1f}%\n", repetition,
+                 100.0 * width);
+    });
+    load_after_ = load_average();
   }
-  return "unknown";
+
+  void describe_machine(const Workbench& bench) {
+    context_ = {
+        {"clock", to_string(calibration_.clock)},
+        {"calibration", calibration_.verdict},
+        {"device", bench.device().renderer},
+        {"driver", bench.device().version},
+        {"rasteriser", bench.device().software ? "software" : "hardware"},
+        {"rasteriser_threads", rasteriser_threads()},
+        {"cpu", cpu_model()},
+        {"threads", thread_count()},
+        {"load_before", load_before_},
+        {"load_after", load_after_},
+        {"repetitions", loop_.repetitions},
+        {"seconds", loop_.seconds},
+        {"widest_interval", loop_.widest_interval},
+        {"stopped_because", loop_.within ? "every interval is within 2%" : "the budget ended"},
+        {"drift_last_over_first_third", loop_.drift},
+        {"rejected_passes", loop_.rejected_passes},
+        {"rejection", loop_.rejection},
+        {"overrun_frames", loop_.overrun_frames},
+        {"largest_overrun", loop_.largest_overrun}};
+  }
+
+  const Experiment& experiment_;
+  ClockCalibration calibration_;
+  std::map<long, std::unique_ptr<TimingStage>> stages_;  ///< by the triangles asked for
+  std::vector<Variant> variants_;
+  LoopResult loop_;
+  double load_before_ = 0.0;
+  double load_after_ = 0.0;
+  nlohmann::json context_;
+};
+
+/// `notes` are those of the sessions; what is to be said of the exponents comes after them.
+TimingResult make_result(const Experiment& experiment, const std::vector<TimedSeries>& series,
+                         nlohmann::json context, std::vector<std::string> notes) {
+  TimingResult result{{}, std::move(context)};
+  for (const TimedSeries& one : series) {
+    std::ranges::move(time_rows(one), std::back_inserter(result.measurements));
+  }
+  if (experiment.timing->one_by_one) {
+    Measurement shared = series.front().facts;
+    shared.resolution.clear();
+    shared.parameters.clear();
+    Exponents exponents = fit_exponents(series, shared);
+    std::ranges::move(exponents.rows, std::back_inserter(result.measurements));
+    std::ranges::move(exponents.notes, std::back_inserter(notes));
+  }
+  result.context["notes"] = std::move(notes);
+  return result;
 }
 
-double load_average() {
-  double load = -1.0;
-  return getloadavg(&load, 1) == 1 ? load : -1.0;
+/// llvmpipe looks at this when its device is opened.
+void set_rasteriser_threads(int threads) {
+  setenv("LP_NUM_THREADS", std::to_string(threads).c_str(), 1);
 }
 
-void add_rows(const Variant& variant, const Measurement& identity,
-              std::vector<Measurement>& measurements) {
-  for (const auto& [pass, times] : variant.passes) {
-    Measurement row = identity;
-    row.method = variant.cell.method;
-    row.parameters = named_parameters(variant.cell.parameters);
-    row.seed = "all";
-    row.metric = "time_ms." + pass;
-    row.unit = "ms";
-    const Quartiles summary = quartiles(times);
-    row.value = summary.median;
-    row.lower = summary.lower;
-    row.upper = summary.upper;
-    row.n = long(times.size());
-    measurements.push_back(row);
+Workbench open_bench(const Experiment& experiment, const std::string& device) {
+  return {{.scene = experiment.scene.source,
+           .view = experiment.scene.view,
+           .width = experiment.scene.width,
+           .height = experiment.scene.height,
+           .probe = experiment.probe},
+          device};
+}
 
-    const std::vector<double>* baseline = find_times(variant.baseline->passes, pass);
-    if (!baseline) continue;
-    row.metric = "time_ratio." + pass;
-    row.unit = "";
-    const Interval interval = median_ratio_interval(times, *baseline);
-    row.value = median_ratio(times, *baseline);
-    row.lower = interval.low;
-    row.upper = interval.high;
-    measurements.push_back(row);
+void check_threads(const Experiment& experiment, const Workbench& bench, int threads) {
+  if (!bench.device().software) {
+    throw InputError(fmt::format("{}: key 'timing.threads': {} has no threads to choose",
+                                 experiment.file.string(), bench.device().renderer));
+  }
+  if (rasteriser_threads() != threads) {
+    throw DeviceError(fmt::format("device {}: {} threads were asked for and {} rasterise",
+                                  bench.device().id, threads, rasteriser_threads()));
   }
 }
 
 }  // namespace
 
 TimingResult time_methods(const Experiment& experiment, Workbench& bench,
-                          const Measurement& identity) {
-  const TimingSettings& settings = *experiment.timing;
-  const ClockCalibration calibration = calibrate_clock(bench.frame().programs);
-  fmt::print(stderr, "timing: {}\n", calibration.verdict);
-
-  std::vector<Variant> variants = make_variants(experiment);
-  const double load_before = load_average();
-  for (Variant& variant : variants) {
-    throw_if_interrupted();
-    run_once(variant, bench.frame(), calibration.clock);
-    variant.passes.clear();
+                          const Measurement& shared) {
+  if (!experiment.timing->threads.empty()) {
+    throw InputError(fmt::format("{}: key 'timing.threads': accepted by 'occlab time' only",
+                                 experiment.file.string()));
   }
+  const Session session(experiment, bench, plan_timing(experiment, methods()), shared);
+  return make_result(experiment, session.series(), session.context(), session.notes());
+}
 
-  PortableRandom random(1);
-  const auto start = std::chrono::steady_clock::now();
-  const auto seconds = [&] {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  };
-  int repetitions = 0;
-  double width = 1.0;
-  while (repetitions < settings.repetitions ||
-         (width > wanted_interval_width && seconds() < settings.budget_seconds)) {
-    for (const std::size_t index : random_order(variants.size(), random)) {
-      throw_if_interrupted();
-      run_once(variants[index], bench.frame(), calibration.clock);
+TimingResult time_experiment(const Experiment& experiment, const std::string& device,
+                             const std::function<void(const Workbench&)>& described) {
+  if (experiment.timing->threads.empty()) {
+    Workbench bench = open_bench(experiment, device);
+    described(bench);
+    return time_methods(experiment, bench, shared_facts(experiment, bench));
+  }
+  std::map<int, std::vector<TimedCell>> by_threads;
+  for (TimedCell& cell : plan_timing(experiment, methods())) {
+    const int threads = cell.threads;
+    by_threads[threads].push_back(std::move(cell));
+  }
+  std::vector<TimedSeries> series;
+  std::vector<std::string> notes;
+  nlohmann::json sessions = nlohmann::json::array();
+  for (const auto& [threads, cells] : by_threads) {
+    set_rasteriser_threads(threads);
+    Workbench bench = open_bench(experiment, device);
+    check_threads(experiment, bench, threads);
+    described(bench);
+    const Session session(experiment, bench, cells, shared_facts(experiment, bench));
+    std::ranges::move(session.series(), std::back_inserter(series));
+    for (const std::string& note : session.notes()) {
+      notes.push_back(fmt::format("With {} threads: {}", threads, note));
     }
-    ++repetitions;
-    width = widest_interval(variants);
-    fmt::print(stderr, "timing: repetition {}, widest interval of a ratio {:.1f}%\n", repetitions,
-               100.0 * width);
+    sessions.push_back(session.context());
   }
-  const std::string stop = width <= wanted_interval_width
-                               ? "every interval is within 2%"
-                               : fmt::format("the budget of {:g} s ended", settings.budget_seconds);
-
-  TimingResult result;
-  Measurement shared = identity;
-  shared.clock = to_string(calibration.clock);
-  for (const Variant& variant : variants) add_rows(variant, shared, result.measurements);
-  result.context = {{"clock", to_string(calibration.clock)},
-                    {"calibration", calibration.verdict},
-                    {"device", bench.device().renderer},
-                    {"driver", bench.device().version},
-                    {"rasteriser", bench.device().software ? "software" : "hardware"},
-                    {"cpu", cpu_model()},
-                    {"threads", thread_count()},
-                    {"load_before", load_before},
-                    {"load_after", load_average()},
-                    {"repetitions", repetitions},
-                    {"seconds", seconds()},
-                    {"widest_interval", width},
-                    {"stopped_because", stop},
-                    {"drift_last_over_first_third", drift(variants)}};
-  return result;
+  notes.emplace_back("Different numbers of threads were timed one after the other, not paired");
+  return make_result(experiment, series, {{"sessions", std::move(sessions)}}, std::move(notes));
 }
 
 }  // namespace occlab

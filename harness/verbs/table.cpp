@@ -19,11 +19,11 @@ struct TableOptions {
 TimingTableSettings read_timing_settings(const std::filesystem::path& path) {
   const auto report = nlohmann::json::parse(read_text(path), nullptr, false);
   if (!report.is_object() || !report.contains("timing_table")) {
-    throw InputError(fmt::format("{}: key 'timing_table': missing; was it written by 'occlab run'?",
-                                 path.string()));
+    throw InputError(fmt::format(
+        "{}: key 'timing_table': missing; was it written by 'occlab run' or 'occlab time'?",
+        path.string()));
   }
-  const auto& settings = report["timing_table"];
-  return {settings.value("baseline", ""), settings.value("published", "")};
+  return stored_timing_table_settings(report["timing_table"]);
 }
 
 }  // namespace
@@ -31,7 +31,8 @@ TimingTableSettings read_timing_settings(const std::filesystem::path& path) {
 void add_table_verb(CLI::App& app, Action& action) {
   auto options = std::make_shared<TableOptions>();
   CLI::App* verb = app.add_subcommand("table", "print the tables of a results folder");
-  verb->add_option("results", options->results, "the folder of an 'occlab run'")->required();
+  verb->add_option("results", options->results, "the folder of an 'occlab run' or 'occlab time'")
+      ->required();
   verb->add_option("--format", options->format, "the format to print")
       ->check(CLI::IsMember(table_formats()))
       ->capture_default_str();

@@ -74,8 +74,7 @@ TEST_F(ConfigTest, MissingKeys) {
   EXPECT_ERROR(changed("method = \"rtdo\"\n", ""), at(14, "reference.method") + "missing");
   EXPECT_ERROR(changed("scale = 0.5\n", ""), at(42, "figure[2].scale") + "missing");
   EXPECT_ERROR(changed("label = \"a\", ", ""), at(40, "figure[1].rows[0].label") + "missing");
-  EXPECT_ERROR(changed("[[run]]", "[[figure]]\n[[other]]"),
-               file().string() + ": key 'run': missing");
+  EXPECT_ERROR(base.substr(0, base.find("[[run]]")), file().string() + ": key 'run': missing");
 }
 
 TEST_F(ConfigTest, WrongTypesAndRanges) {

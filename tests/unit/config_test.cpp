@@ -65,14 +65,17 @@ TEST_F(ConfigTest, PlansTheReferenceThenRunsAxesSeeds) {
 }
 
 TEST_F(ConfigTest, PlansTheTimingsPointByPoint) {
-  const std::vector<PlannedCell> cells = plan_timing(load(base), fake_methods());
-  ASSERT_EQ(cells.size(), 4u);
-  EXPECT_EQ(cells[0].method, "ssao");
-  EXPECT_EQ(cells[1].method, "ssbn");
-  EXPECT_EQ(cells[1].group, cells[0].group);
-  EXPECT_NE(cells[2].group, cells[0].group);
-  EXPECT_EQ(cells[2].parameters.integer("samples"), 8);
-  EXPECT_DOUBLE_EQ(cells[2].parameters.real("d_max_world"), 0.5);
+  const std::vector<TimedCell> timed = plan_timing(load(base), fake_methods());
+  ASSERT_EQ(timed.size(), 4u);
+  EXPECT_EQ(timed[0].cell.method, "ssao");
+  EXPECT_EQ(timed[1].cell.method, "ssbn");
+  EXPECT_EQ(timed[1].cell.group, timed[0].cell.group);
+  EXPECT_NE(timed[2].cell.group, timed[0].cell.group);
+  EXPECT_EQ(timed[2].cell.parameters.integer("samples"), 8);
+  EXPECT_DOUBLE_EQ(timed[2].cell.parameters.real("d_max_world"), 0.5);
+  EXPECT_EQ(timed[2].resolution, (Resolution{640, 360}));
+  EXPECT_EQ(timed[2].triangles, 0);
+  EXPECT_EQ(timed[2].threads, 0);
 }
 
 TEST_F(ConfigTest, SelectsOneGroup) {
@@ -144,10 +147,11 @@ TEST_F(ConfigTest, Overrides) {
 }
 
 TEST(Experiments, ThoseOfTheRepositoryAreValid) {
-  for (const char* name : {"smoke.toml", "papers/s3ho.toml"}) {
+  for (const char* name :
+       {"smoke.toml", "papers/s3ho.toml", "papers/ssdo_table1.toml", "scaling.toml"}) {
     const Experiment e =
         load_experiment(fs::path(OCCLAB_SOURCE_DIR) / "configs" / name, {}, methods());
-    EXPECT_FALSE(plan(e, methods()).empty());
+    EXPECT_EQ(plan(e, methods()).empty(), e.runs.empty());
     EXPECT_FALSE(plan_timing(e, methods()).empty());
     EXPECT_NO_THROW(scene_path(e.scene.source));
   }

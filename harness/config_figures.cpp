@@ -1,0 +1,119 @@
+// read_figure of config_parts.h.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "harness/config_parts.h"
+#include "harness/error_budget.h"
+#include "renderers/scene/error.h"
+
+namespace occlab {
+namespace {
+
+/// [x, y, width, height] inside the frame: integers are pixels, reals fractions of the frame.
+Rectangle read_rectangle(TomlTable& table, const SceneSettings& scene) {
+  const TomlTable::Numbers numbers = table.numbers("rectangle", 4);
+  std::vector<double> r = numbers.values;
+  if (!numbers.whole) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      if (!(r[i] >= 0 && r[i] <= 1)) {
+        table.fail("rectangle",
+                   "accepted are four integers (pixels) or four reals in [0, 1] "
+                   "(fractions of the frame)");
+      }
+    }
+    // The corners are rounded, not the sizes, so that rectangles that touch still do.
+    const auto pixel = [](double fraction, int size) { return std::round(fraction * size); };
+    const double right = pixel(r[0] + r[2], scene.width);
+    const double bottom = pixel(r[1] + r[3], scene.height);
+    r[0] = pixel(r[0], scene.width);
+    r[1] = pixel(r[1], scene.height);
+    r[2] = right - r[0];
+    r[3] = bottom - r[1];
+  }
+  if (r[0] < 0 || r[1] < 0 || r[2] < 1 || r[3] < 1 || r[0] + r[2] > scene.width ||
+      r[1] + r[3] > scene.height) {
+    table.fail(
+        "rectangle",
+        fmt::format("x {:g}, y {:g}, width {:g}, height {:g} (pixels) is empty or not inside "
+                    "the frame of {}x{}",
+                    r[0], r[1], r[2], r[3], scene.width, scene.height));
+  }
+  return {int(r[0]), int(r[1]), int(r[2]), int(r[3])};
+}
+
+/// The parameters that select one cell of each of the figure's methods; they do.
+NamedValues read_selection(TomlTable& table, const FigureSettings& figure,
+                           const FigureContext& context) {
+  const auto known = known_methods(table, "methods", figure.methods, context.methods);
+  NamedValues select = single_values(read_parameters(table, known, {}));
+  for (const std::string& method : figure.methods) {
+    try {
+      const int group = select_group(context.cells, method, select);
+      const auto cell = std::ranges::find(context.cells, group, &PlannedCell::group);
+      if (figure.kind != FigureKind::comparison && figure.kind != FigureKind::closeups &&
+          cell->role == Role::reference) {
+        table.fail("methods", fmt::format("'{}' is the reference itself", method));
+      }
+      if ((figure.kind == FigureKind::error_budget || figure.kind == FigureKind::failure_classes) &&
+          !has_budget(*cell)) {
+        table.fail("methods", fmt::format("'{}' has no budget: it does not march through the depth "
+                                          "buffer, or has no form on the CPU",
+                                          method));
+      }
+    } catch (const SelectionError& error) {
+      table.fail(select.empty() ? "methods" : select.front().first, error.what());
+    }
+  }
+  return select;
+}
+
+}  // namespace
+
+FigureSettings read_figure(TomlTable& table, const FigureContext& context) {
+  FigureSettings figure;
+  figure.name = table.identifier("name");
+  const std::vector<std::pair<std::string, FigureKind>> kinds = {
+      {"comparison", FigureKind::comparison},
+      {"closeups", FigureKind::closeups},
+      {"error_map", FigureKind::error_map},
+      {"error_budget", FigureKind::error_budget},
+      {"failure_classes", FigureKind::failure_classes}};
+  std::vector<std::string> words;
+  for (const auto& [word, unused] : kinds) words.push_back(word);
+  const std::string kind = table.one_of("kind", words, "");
+  figure.kind = std::ranges::find(kinds, kind, &std::pair<std::string, FigureKind>::first)->second;
+  figure.title = table.text("title", "");
+  figure.stage = table.one_of("stage", {"filtered", "unfiltered"}, "filtered");
+  figure.methods = table.words("methods");
+  known_methods(table, "methods", figure.methods, context.methods);
+  if (figure.kind == FigureKind::closeups) {
+    for (TomlTable& row_table : table.tables("rows")) {
+      CloseupRow row;
+      row.label = row_table.text("label");
+      row.rectangle = read_rectangle(row_table, context.scene);
+      row.select = read_selection(row_table, figure, context);
+      figure.rows.push_back(std::move(row));
+    }
+    table.refuse_others();
+    return figure;
+  }
+  if (figure.kind != FigureKind::comparison) {
+    figure.scale = table.real("scale", 1e-9, 1e9, std::nullopt);
+    if (context.cells.front().role != Role::reference) {
+      table.fail("kind", "a figure of errors needs a [reference]");
+    }
+  }
+  const bool of_budget =
+      figure.kind == FigureKind::error_budget || figure.kind == FigureKind::failure_classes;
+  if (of_budget && !context.budget) table.fail("kind", fmt::format("'{}' needs a [budget]", kind));
+  if (figure.kind == FigureKind::failure_classes && figure.methods.size() != 1) {
+    table.fail("methods", "accepted is one method: all that share its march have the same classes");
+  }
+  figure.select = read_selection(table, figure, context);
+  return figure;
+}
+
+}  // namespace occlab

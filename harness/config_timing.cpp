@@ -1,0 +1,95 @@
+// read_timing of config_parts.h.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+
+#include "harness/config_parts.h"
+#include "harness/published.h"
+#include "renderers/scene/error.h"
+
+namespace occlab {
+namespace {
+
+constexpr int shortest_side = 16;
+constexpr int longest_side = 16384;
+
+/// "1280x720".
+std::optional<Resolution> parse_resolution(const std::string& text) {
+  Resolution size;
+  const char* const end = text.data() + text.size();
+  const auto width = std::from_chars(text.data(), end, size.width);
+  if (width.ec != std::errc() || width.ptr == end || *width.ptr != 'x') return std::nullopt;
+  const auto height = std::from_chars(width.ptr + 1, end, size.height);
+  if (height.ec != std::errc() || height.ptr != end) return std::nullopt;
+  const auto accepted = [](int side) { return side >= shortest_side && side <= longest_side; };
+  if (!accepted(size.width) || !accepted(size.height)) return std::nullopt;
+  return size;
+}
+
+std::vector<Resolution> read_resolutions(TomlTable& table) {
+  std::vector<Resolution> sizes;
+  for (const std::string& text : table.words(resolution_axis)) {
+    const std::optional<Resolution> size = parse_resolution(text);
+    if (!size) {
+      table.fail(resolution_axis,
+                 fmt::format("found '{}'; accepted is a width and a height from {} to {}, such as "
+                             "'1280x720'",
+                             text, shortest_side, longest_side));
+    }
+    if (std::ranges::find(sizes, *size) != sizes.end()) {
+      table.fail(resolution_axis, fmt::format("{} is listed twice", text));
+    }
+    sizes.push_back(*size);
+  }
+  return sizes;
+}
+
+std::vector<long> read_counts(TomlTable& table, const char* name, long most) {
+  std::vector<long> counts;
+  for (const ParameterValue& value : table.values(name, true)) {
+    const long* const count = std::get_if<long>(&value);
+    if (!count || *count < 1 || *count > most) {
+      table.fail(name,
+                 fmt::format("found {}; accepted are integers in [1, {}]", to_string(value), most));
+    }
+    counts.push_back(*count);
+  }
+  return counts;
+}
+
+}  // namespace
+
+TimingSettings read_timing(TomlTable table, const std::vector<MethodInfo>& methods) {
+  TimingSettings timing;
+  timing.methods = table.words("methods");
+  const auto known = known_methods(table, "methods", timing.methods, methods);
+  timing.baseline = table.text("baseline");
+  if (std::ranges::find(timing.methods, timing.baseline) == timing.methods.end()) {
+    table.fail("baseline", fmt::format("'{}' is not one of timing.methods{}", timing.baseline,
+                                       accepted_words(timing.baseline, timing.methods)));
+  }
+  timing.repetitions = int(table.integer("repetitions", 3, 100000, 7));
+  timing.budget_seconds = table.real("budget_seconds", 0.1, 86400, 60.0);
+  if (table.has("published")) {
+    timing.published = table.identifier("published");
+    if (const auto path = published_path(timing.published); !std::filesystem::exists(path)) {
+      table.fail("published", fmt::format("there is no file {}", path.string()));
+    }
+  }
+  timing.note = table.text("note", "");
+  timing.one_by_one = table.one_of("axes", {"crossed", "one_by_one"}, "crossed") == "one_by_one";
+  if (table.has(resolution_axis)) timing.resolutions = read_resolutions(table);
+  if (table.has(triangles_axis)) timing.triangles = read_counts(table, triangles_axis, 1L << 26);
+  if (table.has(threads_axis)) timing.threads = read_counts(table, threads_axis, 32);
+  timing.axes = read_parameters(table, known, {.lists = true, .by_all = true});
+  if (timing.one_by_one && timing.axes.empty() && timing.resolutions.empty() &&
+      timing.triangles.empty() && timing.threads.empty()) {
+    table.fail("axes", "'one_by_one' needs an axis: resolution, triangles, threads or a parameter");
+  }
+  return timing;
+}
+
+}  // namespace occlab
