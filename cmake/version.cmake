@@ -4,6 +4,8 @@
 # README keeps everything.
 function(hash_folder folder result)
   file(GLOB_RECURSE sources RELATIVE ${ROOT} ${ROOT}/${folder}/*)
+  # Looks at what was measured, and changes nothing of it.
+  list(FILTER sources EXCLUDE REGEX "^harness/(report/|verbs/report)")
   list(SORT sources)
   set(hashes "")
   foreach(source IN LISTS sources)

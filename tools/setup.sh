@@ -25,6 +25,16 @@ need_packages() {
   DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
 }
 
+# Node 18 or later and npm, which fetch and bundle the report's page: those that are there, else
+# Debian's.
+need_node() {
+  local version
+  version=$(node --version 2>/dev/null || echo v0)
+  version=${version#v}
+  if [ "${version%%.*}" -ge 18 ] && command -v npm >/dev/null; then return; fi
+  need_packages "the report's page" nodejs npm
+}
+
 need_packages_to_run() {
   need_packages "the compiler and the build" g++ cmake ninja-build pkg-config git
   need_packages "images, ray tracing, maths" \
@@ -33,6 +43,8 @@ need_packages_to_run() {
     libegl-dev libepoxy-dev libegl-mesa0 libgl1-mesa-dri
   need_packages "configuration, command line, JSON, text, checksums" \
     libtomlplusplus-dev libcli11-dev nlohmann-json3-dev libfmt-dev libssl-dev
+  need_packages "compressed images in the report" zlib1g-dev
+  need_node
   need_packages "labels in figures" libfreetype-dev fonts-dejavu-core
 }
 
