@@ -15,10 +15,12 @@
 #include "harness/measure.h"
 #include "harness/progress.h"
 #include "harness/reference_chain.h"
+#include "harness/results_folder.h"
 #include "harness/run_facts.h"
 #include "harness/store.h"
 #include "harness/timing.h"
 #include "harness/version.h"
+#include "harness/work_clock.h"
 #include "renderers/scene/error.h"
 #include "renderers/scene/interrupt.h"
 
@@ -45,14 +47,6 @@ std::string label(const PlannedCell& cell) {
   return text;
 }
 
-/// What a run makes, by name; anything else in the folder is the user's.
-void remove_results(const fs::path& folder) {
-  for (const char* name :
-       {"cells", "damaged", "tables", "figures", "measurements.csv", "run.json"}) {
-    fs::remove_all(folder / name);
-  }
-}
-
 fs::path results_folder(const RunOptions& options) {
   if (options.fresh) remove_results(options.out);
   return options.out;
@@ -69,7 +63,8 @@ class Run {
                 .height = experiment.scene.height,
                 .probe = experiment.probe},
                options.device),
-        store_(results_folder(options)) {
+        store_(results_folder(options)),
+        results_(options.out) {
     for (PlannedCell& cell : plan(experiment, methods())) {
       CellKey key = cell_key(bench_, cell);
       cells_.push_back({std::move(cell), std::move(key)});
@@ -107,42 +102,48 @@ class Run {
 
  private:
   void do_what_is_missing() {
-    const json previous = read_previous();
+    const json previous =
+        results_.read_report([this](std::string warning) { warn_now(std::move(warning)); });
     const std::string reference_key = make_measuring_key();
     std::size_t rendered = render_missing() + converge_missing();
     rendered += sample_reference(previous, reference_key);
     const std::string timing_key = timing_key_of(experiment_, bench_);
     const bool timed = previous.value("timing_key", "") == timing_key;
     const bool measured = previous.value("measuring_key", "") == make_measuring_key();
-    if (rendered == 0 && timed && measured && outputs_exist()) {
+    if (rendered == 0 && timed && measured && results_.has_outputs(!experiment_.figures.empty())) {
       fmt::print(stderr, "{}: everything is done; --fresh does it again\n",
                  store_.folder().string());
       fmt::print("{}",
-                 format_tables(make_tables(read_measurements(measurements_path()),
+                 format_tables(make_tables(read_measurements(results_.measurements()),
                                            timing_table_settings(experiment_,
                                                                  previous.value("timing", json()))),
                                "md"));
       return;
     }
-    std::vector<Measurement> rows = measured ? previous_rows(false) : measure();
+    std::vector<Measurement> rows =
+        measured ? results_.rows(false) : clock_.in(measuring_work, [&] { return measure(); });
     json timing_context = timed ? previous.value("timing", json()) : json();
     std::vector<Measurement> times;
     if (experiment_.timing) {
       if (timed) {
-        times = previous_rows(true);
+        times = results_.rows(true);
       } else {
-        TimingResult timing = time_methods(experiment_, bench_, identity());
+        TimingResult timing =
+            clock_.in(timing_work, [&] { return time_methods(experiment_, bench_, identity()); });
         times = std::move(timing.measurements);
         timing_context = std::move(timing.context);
       }
     }
     rows.insert(rows.end(), times.begin(), times.end());
-    write_measurements(measurements_path(), rows);
+    write_measurements(results_.measurements(), rows);
     const TimingTableSettings table_settings = timing_table_settings(experiment_, timing_context);
-    const std::vector<Table> tables = make_tables(rows, table_settings);
-    write_tables(tables, store_.folder() / "tables");
-    write_figures(experiment_, measured_cells(), reader(), budget_reader(),
-                  store_.folder() / "figures");
+    const std::vector<Table> tables = clock_.in(figures_work, [&] {
+      std::vector<Table> made = make_tables(rows, table_settings);
+      write_tables(made, store_.folder() / "tables");
+      write_figures(experiment_, measured_cells(), reader(), budget_reader(),
+                    store_.folder() / "figures");
+      return made;
+    });
     json report = environment_report(experiment_, bench_);
     report["measuring_key"] = make_measuring_key();
     if (chain_) {
@@ -153,7 +154,7 @@ class Run {
     report["timing_key"] = timing_key;
     report["timing"] = timing_context;
     report["timing_table"] = to_json(table_settings);
-    report["measurements_sha256"] = sha256_file(measurements_path());
+    report["measurements_sha256"] = sha256_file(results_.measurements());
     report["warnings"] = warnings_;
     report["cells"] = json::array();
     std::vector<PlannedKey> all = cells_;
@@ -168,12 +169,11 @@ class Run {
       report["cells"].push_back(
           {{"id", budget.key.id()}, {"hash", budget.key.hash()}, {"budget", budget.key.facts()}});
     }
-    write_text_atomically(report_path(), report.dump(2) + "\n");
+    report["wall_time"] = clock_.report();
+    write_text_atomically(results_.report(), report.dump(2) + "\n");
+    fmt::print(stderr, "{}\n", overhead_sentence(report["wall_time"]));
     fmt::print("{}", format_tables(tables, "md"));
   }
-
-  fs::path measurements_path() const { return store_.folder() / "measurements.csv"; }
-  fs::path report_path() const { return store_.folder() / "run.json"; }
 
   void warn(std::string warning) { warnings_.push_back(std::move(warning)); }
 
@@ -207,8 +207,13 @@ class Run {
     auto& method = instances[cell.planned.method];
     if (!method) method = find_method(cell.planned.method).make();
     Metadata facts;
-    const Layers layers = render_cell(bench_, cell.planned, *method, facts);
-    store_.write(cell.key, layers, cell_metadata(bench_, cell.planned, facts), json(facts));
+    const bool traced = cell.planned.role == Role::reference;
+    const Layers layers = clock_.in(traced ? tracing_work : rendering_work, [&] {
+      return render_cell(bench_, cell.planned, *method, facts);
+    });
+    clock_.in(storing_work, [&] {
+      store_.write(cell.key, layers, cell_metadata(bench_, cell.planned, facts), json(facts));
+    });
   }
 
   /// Traces more rays for the reference until it is certified or its budget ends. What an earlier
@@ -220,7 +225,10 @@ class Run {
       const auto parts = known.at("parts").get<std::vector<long>>();
       for (std::size_t i = 1; i < parts.size(); ++i) chain_->extend(parts[i]);
     } else if (experiment_.reference->max_rays_per_pixel) {
-      while (const long more = more_rays(judge_reference(), chain_->parts().front())) {
+      const auto judged = [&] {
+        return clock_.in(measuring_work, [&] { return judge_reference(); });
+      };
+      while (const long more = more_rays(judged(), chain_->parts().front())) {
         throw_if_interrupted();
         fmt::print(stderr, "reference: {} rays a pixel are too few, {} more\n",
                    chain_->rays_per_pixel(), more);
@@ -261,14 +269,16 @@ class Run {
 
   void converge(const PlannedBudget& budget) {
     Metadata facts;
-    const Layers layers = render_budget(bench_, budget.cell, *experiment_.budget, facts);
+    const Layers layers = clock_.in(tracing_work, [&] {
+      return render_budget(bench_, budget.cell, *experiment_.budget, facts);
+    });
     Metadata metadata = workbench_metadata(bench_);
     for (const auto& [name, value] : facts) metadata["occlab:" + name] = value;
-    store_.write(budget.key, layers, metadata, json(facts));
+    clock_.in(storing_work, [&] { store_.write(budget.key, layers, metadata, json(facts)); });
   }
 
   StoredBudget read_budget(const PlannedBudget& budget) {
-    ReadCell read = store_.read(budget.key);
+    ReadCell read = clock_.in(storing_work, [&] { return store_.read(budget.key); });
     if (!read.cell) {
       warn_now(read.warning + "; made again");
       converge(budget);
@@ -302,7 +312,7 @@ class Run {
   }
 
   Layers read_cell(const PlannedKey& cell) {
-    ReadCell read = store_.read(cell.key);
+    ReadCell read = clock_.in(storing_work, [&] { return store_.read(cell.key); });
     if (!read.cell) {
       if (!read.warning.empty()) warn_now(read.warning + "; rendered again");
       std::map<std::string, std::unique_ptr<OcclusionMethod>> instances;
@@ -357,35 +367,11 @@ class Run {
     return sha256_text(text);
   }
 
-  /// What run.json says of the numbers in measurements.csv; nothing where the two do not belong
-  /// together: a file was edited, or a run was killed between writing one and the other.
-  json read_previous() {
-    if (!fs::exists(report_path()) || !fs::exists(measurements_path())) return json::object();
-    json report = json::parse(read_text(report_path()), nullptr, false);
-    if (report.is_object() &&
-        report.value("measurements_sha256", json()) == sha256_file(measurements_path())) {
-      return report;
-    }
-    warn_now(fmt::format("{} is not the one that {} describes: measured and timed again",
-                         measurements_path().string(), report_path().string()));
-    return json::object();
-  }
-
-  std::vector<Measurement> previous_rows(bool times) const {
-    std::vector<Measurement> rows = read_measurements(measurements_path());
-    std::erase_if(rows,
-                  [&](const Measurement& row) { return row.metric.starts_with("time_") != times; });
-    return rows;
-  }
-
-  bool outputs_exist() const {
-    return fs::exists(measurements_path()) && fs::exists(store_.folder() / "tables") &&
-           (experiment_.figures.empty() || fs::exists(store_.folder() / "figures"));
-  }
-
+  WorkClock clock_;  // first: opening the workbench counts
   const Experiment& experiment_;
   Workbench bench_;
   CellStore store_;  // after bench_: a run that cannot start leaves the folder as it was
+  ResultsFolder results_;
   std::vector<PlannedKey> cells_;  ///< the reference first, that of all its rays at last
   std::optional<ReferenceChain> chain_;
   std::vector<PlannedBudget> budgets_;

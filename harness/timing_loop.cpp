@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
+#include <map>
 #include <span>
 
 #include "harness/statistics.h"
@@ -18,10 +18,26 @@ constexpr std::size_t fewest_ratios = 3;  // that say anything of their median
 /// The clocks' own grain: a sum of passes may exceed its frame by so much without a contradiction.
 constexpr double grain = 1e-3;
 
-std::vector<std::size_t> random_order(std::size_t count, PortableRandom& random) {
-  std::vector<std::size_t> order(count);
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  for (std::size_t i = count; i > 1; --i) std::swap(order[i - 1], order[random.index(i)]);
+void shuffle(std::vector<std::size_t>& order, PortableRandom& random) {
+  for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random.index(i)]);
+}
+
+/// A random order in which a baseline and all that is compared with it are neighbours: the less
+/// time between them, the less a busy machine changes meanwhile.
+std::vector<std::size_t> random_order(const std::vector<TimingTask>& tasks,
+                                      PortableRandom& random) {
+  std::map<std::size_t, std::vector<std::size_t>> groups;
+  for (std::size_t i = 0; i < tasks.size(); ++i) groups[tasks[i].baseline].push_back(i);
+  std::vector<std::size_t> baselines;
+  for (auto& [baseline, members] : groups) {
+    shuffle(members, random);
+    baselines.push_back(baseline);
+  }
+  shuffle(baselines, random);
+  std::vector<std::size_t> order;
+  for (const std::size_t baseline : baselines) {
+    order.insert(order.end(), groups[baseline].begin(), groups[baseline].end());
+  }
   return order;
 }
 
@@ -120,7 +136,7 @@ LoopResult run_timing_loop(const std::vector<TimingTask>& tasks, const TimingLim
   PortableRandom random(1);
   const double start = seconds();
   do {
-    for (const std::size_t index : random_order(tasks.size(), random)) {
+    for (const std::size_t index : random_order(tasks, random)) {
       record_frame(result, result.tasks[index], tasks[index].run(),
                    std::size_t(result.repetitions));
     }

@@ -78,8 +78,9 @@ struct LoopResult {
   double largest_overrun = 0.0;  ///< their sum over the frame, less 1
 };
 
-/// Runs every task once, uncounted, then in random order once a repetition until every interval is
-/// tight, but at least limits.repetitions times, or until the budget ends. `seconds` is the time
+/// Runs every task once, uncounted, then in random order once a repetition, those with one baseline
+/// next to each other, until every interval is tight, but at least limits.repetitions times, or
+/// until the budget ends. `seconds` is the time
 /// since some start; `after_repetition` hears of each (its number, the widest interval). What
 /// throws in a task ends it all.
 LoopResult run_timing_loop(const std::vector<TimingTask>& tasks, const TimingLimits& limits,

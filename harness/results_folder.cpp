@@ -1,0 +1,41 @@
+#include "harness/results_folder.h"
+
+#include <fmt/format.h>
+
+#include "harness/files.h"
+
+namespace occlab {
+namespace fs = std::filesystem;
+
+void remove_results(const fs::path& folder) {
+  for (const char* name :
+       {"cells", "damaged", "tables", "figures", "measurements.csv", "run.json"}) {
+    fs::remove_all(folder / name);
+  }
+}
+
+nlohmann::json ResultsFolder::read_report(const std::function<void(std::string)>& warn) const {
+  if (!fs::exists(report()) || !fs::exists(measurements())) return nlohmann::json::object();
+  nlohmann::json stored = nlohmann::json::parse(read_text(report()), nullptr, false);
+  if (stored.is_object() &&
+      stored.value("measurements_sha256", nlohmann::json()) == sha256_file(measurements())) {
+    return stored;
+  }
+  warn(fmt::format("{} is not the one that {} describes: measured and timed again",
+                   measurements().string(), report().string()));
+  return nlohmann::json::object();
+}
+
+std::vector<Measurement> ResultsFolder::rows(bool times) const {
+  std::vector<Measurement> rows = read_measurements(measurements());
+  std::erase_if(rows,
+                [&](const Measurement& row) { return row.metric.starts_with("time_") != times; });
+  return rows;
+}
+
+bool ResultsFolder::has_outputs(bool figures) const {
+  return fs::exists(measurements()) && fs::exists(folder_ / "tables") &&
+         (!figures || fs::exists(folder_ / "figures"));
+}
+
+}  // namespace occlab
