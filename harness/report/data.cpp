@@ -11,6 +11,7 @@
 #include "harness/figures/colour_maps.h"
 #include "harness/files.h"
 #include "harness/measurement_facts.h"
+#include "harness/metrics/metrics.h"
 #include "harness/published.h"
 #include "harness/table_formats.h"
 #include "renderers/methods/method.h"
@@ -26,7 +27,7 @@ constexpr int run_schema = 1;
 
 TimingTableSettings timing_settings(const json& run) {
   if (!run.is_object() || !run.contains("timing_table")) return {};
-  return {run["timing_table"].value("baseline", ""), run["timing_table"].value("published", "")};
+  return stored_timing_table_settings(run["timing_table"]);
 }
 
 json texts_json(const NamedTexts& texts) {
@@ -225,6 +226,17 @@ json methods_json(const std::vector<Group>& groups, const json& figures) {
                     {"colour", hex_colour(colour)}};
   }
   return object;
+}
+
+json metrics_json() {
+  json list = json::array();
+  for (const MetricInfo& metric : metrics()) {
+    list.push_back({{"name", metric.name},
+                    {"unit", metric.unit == "1" ? "" : metric.unit},
+                    {"definition", metric.definition},
+                    {"lowerIsBetter", metric.lower_is_better}});
+  }
+  return list;
 }
 
 json colour_maps_json() {

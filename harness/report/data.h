@@ -49,6 +49,8 @@ nlohmann::json layers_json(const PackedImages& images);
 
 /// Titles and colours of the methods by name, coloured as in `figures` (figures_of).
 nlohmann::json methods_json(const std::vector<Group>& groups, const nlohmann::json& figures);
+/// Every metric's name, unit, definition and direction.
+nlohmann::json metrics_json();
 /// The figures' colour maps, 257 colours each: {"signed": ["#rrggbb"...], "positive": [...]}.
 nlohmann::json colour_maps_json();
 

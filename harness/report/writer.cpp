@@ -112,7 +112,7 @@ Frame read_frame(std::vector<Cell>& cells, const std::vector<Group>& groups, Ver
 json light_json(const json& run, const std::vector<Cell>& cells) {
   if (!run.is_object()) return {{"missing", "run.json is missing, which names the probe"}};
   const auto cell = std::ranges::find(cells, "", &Cell::problem);
-  if (cell == cells.end()) return {{"missing", "no cell is intact"}};
+  if (cell == cells.end()) return {{"missing", "there is no intact cell"}};
   return light_of(run.value("configuration", ""), cell->facts);
 }
 
@@ -136,6 +136,7 @@ json make_data(const ReportOptions& options, const fs::path& folder, Verdict& ve
                {"tables", tables_json(rows, run, verdict)},
                {"plots", plots_json(rows)},
                {"published", published_json(run, verdict)},
+               {"metrics", metrics_json()},
                {"colourMaps", colour_maps_json()},
                {"light", light_json(run, cells)}};
   data["figures"] = figures_json(run, options.results, folder);

@@ -54,6 +54,7 @@ export interface Data {
   closeups: Closeup[];
   methods: Record<string, { title: string; colour: string }>;
   frame: { width: number; height: number; meanLuminance: number; exposure: number };
+  metrics: { name: string; unit: string; definition: string; lowerIsBetter: boolean }[];
   colourMaps: { signed: string[]; positive: string[] };
   groups: Group[];
   otherCells: (Cell & { method: string; parameters: Record<string, string> })[];

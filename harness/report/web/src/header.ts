@@ -30,12 +30,13 @@ function notices(data: Data): Node[] {
   const box = (role: string, heading: string, texts: string[]) => texts.length > 0 &&
     h("div", { class: `notice ${role}`, role: role === "problem" ? "alert" : "note" },
       h("strong", {}, heading), h("ul", {}, ...texts.map((text) => h("li", {}, text))));
-  const left = data.leftOut.map((what) => `${what}; occlab report --megabytes takes more`);
   return [
     box("problem", data.complete ? "Problems" : "Incomplete", data.problems),
     box("warning", "Warnings", warnings),
-    box("left-out", "Left out of this page for its size", left),
-  ].filter((node): node is HTMLDivElement => Boolean(node));
+    data.leftOut.length > 0 && h("details", { class: "notice left-out" },
+      h("summary", {}, "Not all images are on this page, for its size; occlab report --megabytes takes more"),
+      h("ul", {}, ...data.leftOut.map((text) => h("li", {}, text)))),
+  ].filter((node): node is HTMLDivElement | HTMLDetailsElement => Boolean(node));
 }
 
 function goTo(id: string): (event: Event) => void {

@@ -14,7 +14,8 @@ export function layOut(count: number, width: number, height: number, aspect: num
     const byWidth = (width - gap * (columns - 1)) / columns;
     const byHeight = ((height - gap * (rows - 1)) / rows - labelHeight) * aspect;
     const imageWidth = Math.min(byWidth, byHeight);
-    if (imageWidth > best.imageWidth + 0.5) best = { columns, imageWidth };
+    // More columns leave less of the page empty and need less of its height.
+    if (imageWidth > 0.9 * best.imageWidth) best = { columns, imageWidth };
   }
   const imageWidth = Math.max(best.imageWidth, 40), imageHeight = imageWidth / aspect;
   const rects = Array.from({ length: count }, (_, i) => ({

@@ -35,25 +35,37 @@ function filter(table: Table, rows: HTMLTableRowElement[]): HTMLElement {
   return input;
 }
 
-function makeTable(table: Table): HTMLElement {
+function fill(table: Table, long: boolean): Node[] {
   const footnotes: string[] = [];
   const numeric = table.columns.map((_, c) => table.rows.some((row) => typeof row[c] !== "string"));
   const head = table.columns.map((column, c) =>
     h("th", { scope: "col", class: numeric[c] ? "number" : undefined },
       column.name, column.unit && h("span", { class: "unit" }, ` ${column.unit}`)));
   const rows = table.rows.map((row) => h("tr", {}, ...row.map((content) => cell(content, footnotes))));
-  const long = rows.length > openBelow;
   const notes = h("ul", { class: "notes" },
     ...footnotes.map((note, i) => h("li", {}, h("sup", {}, String(i + 1)), ` ${note}`)),
     ...table.notes.map((note) => h("li", {}, note)));
   const files = h("p", { class: "files" }, "As ", ...["csv", "json", "md", "tex"].flatMap((end, i) =>
     [i > 0 ? ", " : "", h("a", { href: `../tables/${encodeURIComponent(table.name)}.${end}` }, end)]));
-  return h("details", { open: !long, class: "table", id: `table-${table.name}` },
-    h("summary", {}, h("h3", {}, table.title), h("span", { class: "count" }, ` ${rows.length} rows`)),
-    long && filter(table, rows),
-    h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": table.title },
-      h("table", {}, h("thead", {}, h("tr", {}, ...head)), h("tbody", {}, ...rows))),
-    notes, files);
+  const scroll = h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": table.title },
+    h("table", {}, h("thead", {}, h("tr", {}, ...head)), h("tbody", {}, ...rows)));
+  return [...(long ? [filter(table, rows)] : []), scroll, notes, files];
+}
+
+function makeTable(table: Table): HTMLElement {
+  const long = table.rows.length > openBelow;
+  const details = h("details", { open: !long, class: "table", id: `table-${table.name}` },
+    h("summary", {}, h("h3", {}, table.title), h("span", { class: "count" }, ` ${table.rows.length} rows`)));
+  let filled = false;
+  // Long tables are made when they are opened; on paper all are open.
+  const open = () => {
+    if (!filled) details.append(...fill(table, long));
+    filled = true;
+  };
+  if (!long) open();
+  details.addEventListener("toggle", () => details.open && open());
+  window.addEventListener("beforeprint", () => { open(); details.open = true; });
+  return details;
 }
 
 export function tables(data: Data): HTMLElement | null {
