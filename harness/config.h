@@ -50,6 +50,8 @@ struct Resolution {
   bool operator==(const Resolution&) const = default;
 };
 
+inline constexpr int most_rasteriser_threads = 32;
+
 struct TimingSettings {
   std::vector<std::string> methods;
   std::vector<Axis> axes;

@@ -83,7 +83,8 @@ TimingSettings read_timing(TomlTable table, const std::vector<MethodInfo>& metho
   timing.one_by_one = table.one_of("axes", {"crossed", "one_by_one"}, "crossed") == "one_by_one";
   if (table.has(resolution_axis)) timing.resolutions = read_resolutions(table);
   if (table.has(triangles_axis)) timing.triangles = read_counts(table, triangles_axis, 1L << 26);
-  if (table.has(threads_axis)) timing.threads = read_counts(table, threads_axis, 32);
+  if (table.has(threads_axis))
+    timing.threads = read_counts(table, threads_axis, most_rasteriser_threads);
   timing.axes = read_parameters(table, known, {.lists = true, .by_all = true});
   if (timing.one_by_one && timing.axes.empty() && timing.resolutions.empty() &&
       timing.triangles.empty() && timing.threads.empty()) {

@@ -116,7 +116,7 @@ std::vector<TimedCell> plan_timing(const Experiment& experiment,
   const Point base{{},
                    {experiment.scene.width, experiment.scene.height},
                    0,
-                   timing.threads.empty() ? 0 : thread_count()};
+                   timing.threads.empty() ? 0 : std::min(thread_count(), most_rasteriser_threads)};
   const std::vector<PointAxis> axes = point_axes(timing);
   if (!timing.one_by_one) {
     for (const Point& point : crossed(base, axes)) {

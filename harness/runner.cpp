@@ -381,6 +381,7 @@ class Run {
 }  // namespace
 
 void run_experiment(const Experiment& experiment, const RunOptions& options) {
+  require_own_threads(experiment);
   Run(experiment, options).finish();
 }
 

@@ -93,13 +93,14 @@ class Session {
   std::vector<std::string> notes() const {
     std::vector<std::string> notes = {
         calibration_.verdict,
-        fmt::format(
-            "{} rasteriser: {}, {}; {}; {} threads rasterise, {} compute; load {:.2f} before "
-            "and {:.2f} after",
-            context_.at("rasteriser").get<std::string>(), context_.at("device").get<std::string>(),
-            context_.at("driver").get<std::string>(), context_.at("cpu").get<std::string>(),
-            context_.at("rasteriser_threads").get<int>(), thread_count(), load_before_,
-            load_after_)};
+        fmt::format("{} rasteriser: {}, {}; {}; threads that rasterise {}, that compute {}; load "
+                    "{:.2f} before "
+                    "and {:.2f} after",
+                    context_.at("rasteriser").get<std::string>(),
+                    context_.at("device").get<std::string>(),
+                    context_.at("driver").get<std::string>(), context_.at("cpu").get<std::string>(),
+                    context_.at("rasteriser_threads").get<int>(), thread_count(), load_before_,
+                    load_after_)};
     std::ranges::move(loop_notes(loop_, limits()), std::back_inserter(notes));
     return notes;
   }
@@ -236,12 +237,15 @@ void check_threads(const Experiment& experiment, const Workbench& bench, int thr
 
 }  // namespace
 
+void require_own_threads(const Experiment& experiment) {
+  if (!experiment.timing || experiment.timing->threads.empty()) return;
+  throw InputError(fmt::format("{}: key 'timing.threads': accepted by 'occlab time' only",
+                               experiment.file.string()));
+}
+
 TimingResult time_methods(const Experiment& experiment, Workbench& bench,
                           const Measurement& shared) {
-  if (!experiment.timing->threads.empty()) {
-    throw InputError(fmt::format("{}: key 'timing.threads': accepted by 'occlab time' only",
-                                 experiment.file.string()));
-  }
+  require_own_threads(experiment);
   const Session session(experiment, bench, plan_timing(experiment, methods()), shared);
   return make_result(experiment, session.series(), session.context(), session.notes());
 }
@@ -269,7 +273,7 @@ TimingResult time_experiment(const Experiment& experiment, const std::string& de
     const Session session(experiment, bench, cells, shared_facts(experiment, bench));
     std::ranges::move(session.series(), std::back_inserter(series));
     for (const std::string& note : session.notes()) {
-      notes.push_back(fmt::format("With {} threads: {}", threads, note));
+      notes.push_back(fmt::format("threads = {}: {}", threads, note));
     }
     sessions.push_back(session.context());
   }

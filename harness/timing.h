@@ -20,6 +20,9 @@ struct TimingResult {
   nlohmann::json context;
 };
 
+/// Throws InputError where timing.threads is an axis: a workbench that is there has its threads.
+void require_own_threads(const Experiment& experiment);
+
 /// Times the plan on a workbench: shaders and buffers are warmed up apart; within a repetition the
 /// cells run in random order; ratios to the baseline pair what ran in the same repetition
 /// (timing_loop.h). `shared` fills what the rows share. Throws InputError where timing.threads is

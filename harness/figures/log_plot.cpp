@@ -85,9 +85,9 @@ void draw_marker(Image& image, Position at, std::size_t shape, const DisplayColo
   });
 }
 
-/// 1, 2 and 5 times powers of ten; of a range beyond two decades the powers alone.
+/// 1, 2 and 5 times powers of ten; of a range beyond three decades the powers alone.
 std::vector<double> ticks_within(double low, double high) {
-  const bool wide = high / low > 200.0;
+  const bool wide = high / low > 1000.0;
   std::vector<double> ticks;
   for (int decade = int(std::floor(std::log10(low))); decade <= int(std::ceil(std::log10(high)));
        ++decade) {
@@ -178,15 +178,17 @@ class Plot {
       draw_line(image_, {left, y}, {right, y}, grid_colour, 1.0);
       write(short_number(tick), left - 0.4 * sizes_.text, y, 1.0, 0.5);
     }
-    double free_from = 0.0;
-    for (const auto& [value, label] : x_ticks()) {
-      const double x = x_.pixel(value);
+    double free_until = image_.width() + sizes_.text;
+    const std::vector<std::pair<double, std::string>> ticks = x_ticks();
+    for (auto tick = ticks.rbegin(); tick != ticks.rend(); ++tick) {
+      const double x = x_.pixel(tick->first);
       draw_line(image_, {x, top}, {x, bottom}, grid_colour, 1.0);
       draw_line(image_, {x, bottom}, {x, bottom + 0.3 * sizes_.text}, ink, 1.5);
-      const double half = 0.5 * text_width(label, {sizes_.text});
-      if (x - half < free_from) continue;  // rather a number less than two on top of each other
-      write(label, x, bottom + 0.4 * sizes_.text, 0.5, 0.0);
-      free_from = x + half + 0.4 * sizes_.text;
+      const double half = 0.5 * text_width(tick->second, {sizes_.text});
+      const double middle = std::min(x, image_.width() - half);
+      if (middle + half > free_until) continue;  // rather one number less than two in one place
+      write(tick->second, middle, bottom + 0.4 * sizes_.text, 0.5, 0.0);
+      free_until = middle - half - 0.4 * sizes_.text;
     }
     draw_line(image_, {left, top}, {left, bottom}, ink, 1.5);
     draw_line(image_, {left, bottom}, {right, bottom}, ink, 1.5);

@@ -111,16 +111,17 @@ class Readme(CliTest):
 
 
 class ExperimentFormat(CliTest):
-    def plan(self, *arguments):
+    def plan(self, *arguments, verb="run"):
         """Loads an experiment without rendering: the device is asked for after that."""
-        finished = occlab("run", *arguments, "--device", "999", "--out", self.folder / "out")
+        finished = occlab(verb, *arguments, "--device", "999", "--out", self.folder / "out")
         self.assertEqual(finished.returncode, 2)
         return finished.stderr
 
     def test_committed_experiments_load(self):
         for path in sorted((ROOT / "configs").rglob("*.toml")):
             with self.subTest(path.name):
-                self.assertRegex(self.plan(path), "--device 999: unknown")
+                verb = "run" if "[[run]]" in path.read_text(encoding="utf-8") else "time"
+                self.assertRegex(self.plan(path, verb=verb), "--device 999: unknown")
 
     def test_toml_examples_load(self):
         for index, example in enumerate(re.findall(r"```toml\n(.*?)```", FORMAT, re.DOTALL)):
