@@ -202,8 +202,7 @@ class Plot {
       for (const LogPoint& point : series.points) values.push_back(point.x);
     }
     std::ranges::sort(values);
-    const auto repeated = std::ranges::unique(values);
-    values.erase(repeated.begin(), repeated.end());
+    values.erase(std::unique(values.begin(), values.end()), values.end());
     std::vector<std::pair<double, std::string>> ticks;
     for (const double value : values) ticks.emplace_back(value, short_number(value));
     return ticks;

@@ -127,8 +127,9 @@ void write_exr(const fs::path& path, const Layers& layers, const Metadata& metad
       spec.channelnames.push_back(layer.name.empty() ? suffix : layer.name + "." + suffix);
     }
   }
-  // Level 1 halves the time of the default level for a few per cent of size on noisy images.
-  spec.attribute("compression", "zip:1");
+  // At 1280x720 with 6 channels ZIP takes 0.57 s to write and 0.20 s to read instead of 0.03 s and
+  // 0.05 s, to save 6 of 22 MB: storing took a fifth of a run.
+  spec.attribute("compression", "none");
   for (const auto& [key, value] : metadata) spec.attribute(key, value);
 
   Image interleaved(first.width(), first.height(), channel_count);
