@@ -31,7 +31,8 @@ function toSvg(heading: string, drawn: Drawn): string {
   const whole = svg("svg", { xmlns: svgNamespace, width, height: height + 48, viewBox: `0 0 ${width} ${height + 48}`,
     "font-family": "system-ui, sans-serif", "font-size": 12, color: "#000", style: "color: #000; background: #fff" },
     svg("text", { x: 5, y: 18, "font-size": 15 }, heading), ...legend, chart);
-  return new XMLSerializer().serializeToString(whole);
+  // Of the page's own colours there is only the paper's.
+  return new XMLSerializer().serializeToString(whole).replaceAll("var(--paper)", "#fff");
 }
 
 /** `draw` returns nothing where the choices leave nothing to draw. */

@@ -25,6 +25,8 @@ const uniformNames = ["image", "reference", "mask", "maps", "display", "curve", 
   "channels", "taps", "has_mask", "panel_origin", "panel_size", "center", "frame", "pixels_per_device",
   "exposure", "mean_luminance", "scale"] as const;
 
+const scratchUnit = 4;
+
 function compile(gl: WebGL2RenderingContext): WebGLProgram {
   const program = gl.createProgram();
   for (const [type, text] of [[gl.VERTEX_SHADER, vertexShader], [gl.FRAGMENT_SHADER, fragmentShader]] as const) {
@@ -69,7 +71,7 @@ export class Renderer {
   private texture(fill: () => void): WebGLTexture {
     const gl = this.gl;
     const texture = gl.createTexture();
-    gl.activeTexture(gl.TEXTURE0);
+    gl.activeTexture(gl.TEXTURE0 + scratchUnit); // what is bound for drawing stays bound
     gl.bindTexture(gl.TEXTURE_2D, texture);
     for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, name, gl.NEAREST);
     for (const name of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, name, gl.CLAMP_TO_EDGE);
