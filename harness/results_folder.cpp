@@ -9,7 +9,7 @@ namespace fs = std::filesystem;
 
 void remove_results(const fs::path& folder) {
   for (const char* name :
-       {"cells", "damaged", "tables", "figures", "measurements.csv", "run.json"}) {
+       {"cells", "damaged", "tables", "figures", "report", "measurements.csv", "run.json"}) {
     fs::remove_all(folder / name);
   }
 }

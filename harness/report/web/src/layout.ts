@@ -4,15 +4,21 @@ import { State } from "./state";
 export interface Rect { x: number; y: number; width: number; height: number }
 
 const gap = 6; // CSS pixels
-export const labelHeight = 26;
+
+/** CSS pixels; as text, it grows with the window. */
+export function rootFontSize(): number {
+  return parseFloat(getComputedStyle(document.documentElement).fontSize);
+}
+export function labelHeight(): number { return Math.round(1.7 * rootFontSize()); }
 
 /** Rectangles of `count` images of the frame's shape, as large as they fit side by side. */
 export function layOut(count: number, width: number, height: number, aspect: number): { rects: Rect[]; height: number } {
+  const label = labelHeight();
   let best = { columns: 1, imageWidth: 0 };
   for (let columns = 1; columns <= count; ++columns) {
     const rows = Math.ceil(count / columns);
     const byWidth = (width - gap * (columns - 1)) / columns;
-    const byHeight = ((height - gap * (rows - 1)) / rows - labelHeight) * aspect;
+    const byHeight = ((height - gap * (rows - 1)) / rows - label) * aspect;
     const imageWidth = Math.min(byWidth, byHeight);
     // More columns leave less of the page empty and need less of its height.
     if (imageWidth > 0.9 * best.imageWidth) best = { columns, imageWidth };
@@ -20,11 +26,11 @@ export function layOut(count: number, width: number, height: number, aspect: num
   const imageWidth = Math.max(best.imageWidth, 40), imageHeight = imageWidth / aspect;
   const rects = Array.from({ length: count }, (_, i) => ({
     x: (i % best.columns) * (imageWidth + gap),
-    y: Math.floor(i / best.columns) * (imageHeight + labelHeight + gap) + labelHeight,
+    y: Math.floor(i / best.columns) * (imageHeight + label + gap) + label,
     width: imageWidth, height: imageHeight,
   }));
   const last = rects[rects.length - 1];
-  return { rects, height: last ? last.y + last.height : labelHeight };
+  return { rects, height: last ? last.y + last.height : label };
 }
 
 export interface Transform { center: [number, number]; scale: number } // CSS pixels of a frame's pixel

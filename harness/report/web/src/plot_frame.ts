@@ -43,7 +43,7 @@ export function plotFrame(id: string, heading: string, choices: Choices,
   const caption = h("figcaption", {});
   let drawn: Drawn | null = null;
   const redraw = () => {
-    const width = Math.min(Math.max(place.clientWidth, 300), 1100);
+    const width = Math.min(Math.max(place.clientWidth, 300), 1600);
     drawn = draw(chosen, width);
     place.replaceChildren(...(drawn ? [legendOf(drawn), drawn.chart] : [h("p", { class: "note" }, "Nothing was measured for this choice.")]));
     caption.textContent = drawn?.caption ?? "";

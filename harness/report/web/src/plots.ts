@@ -2,6 +2,7 @@
 import * as Plot from "@observablehq/plot";
 import { Data, fact } from "./data";
 import { h, section } from "./dom";
+import { rootFontSize } from "./layout";
 import { short } from "./numbers";
 import { Drawn, plotFrame, symbols } from "./plot_frame";
 import { Point, Points, forScreen } from "./points";
@@ -17,9 +18,11 @@ function titleOf(point: Point): string {
 function draw(points: Points, shown: Point[], caption: string, width: number, options: Options): Drawn | null {
   if (shown.length === 0) return null;
   const scale = points.scale(shown);
+  const text = 0.8 * rootFontSize();
   const chart = Plot.plot({
-    width, height: Math.round(Math.max(width * 0.55, 260)), marginLeft: 60, marginRight: 70, marginBottom: 42, grid: true,
-    style: { fontSize: "12px", background: "transparent" },
+    width, height: Math.round(Math.max(width * 0.55, 260)), grid: true,
+    marginTop: 2 * text, marginLeft: 5 * text, marginRight: 6 * text, marginBottom: 3.5 * text,
+    style: { fontSize: `${text}px`, background: "transparent" },
     color: { domain: scale.domain, range: scale.range },
     symbol: { domain: scale.domain, range: symbols(scale.domain) as Plot.ScaleOptions["range"] },
     ...options,
@@ -115,7 +118,7 @@ function errorAgainst(points: Points): HTMLElement | null {
 /** Stacked parts of every method, its parameters side by side. */
 function stacks(points: Points, parts: (Point & { part: string })[], colours: [string, string][], caption: string, label: string, width: number): Drawn | null {
   const chart = draw(points, parts, caption, width, {
-    marginTop: 36, marginRight: 10, fx: { label: null, domain: points.scale(parts).domain }, x: { label: null, tickRotate: -30 }, marginBottom: 60,
+    marginTop: 3 * rootFontSize(), marginRight: 10, fx: { label: null, domain: points.scale(parts).domain }, x: { label: null, tickRotate: -30 }, marginBottom: 4 * rootFontSize(),
     y: { label, labelAnchor: "center", grid: true },
     color: { domain: colours.map(([name]) => name), range: colours.map(([, colour]) => colour) },
     marks: [

@@ -71,7 +71,7 @@ function makeTable(table: Table): HTMLElement {
 export function tables(data: Data): HTMLElement | null {
   if (data.tables.length === 0) return null;
   return section("tables", "Tables",
-    h("p", {}, "Brackets hold 95% intervals, of times the quartiles; bold is better than every other " +
-      "method where the comparisons resolve it. The notes under a table say more."),
+    h("p", {}, "Brackets hold intervals: 95%, of times the quartiles, where the notes under a table do " +
+      "not say otherwise. Bold is better than every other method, where the comparisons resolve it."),
     ...data.tables.map(makeTable));
 }

@@ -188,8 +188,8 @@ export class Viewer {
     const mark = this.hover ?? this.state.pin;
     if (mark) inside.push(h("div", { class: "cross", style: `left:${left(mark[0] + 0.5)}px;top:${top(mark[1] + 0.5)}px` }));
     const number = this.state.mode === "grid" ? index : index === 0 && this.state.mode === "slider" ? this.state.left : this.state.active;
-    const labelRect = `left:${rect.x + clip[0] * rect.width}px;top:${rect.y - labelHeight}px;` +
-      `width:${(clip[1] - clip[0]) * rect.width}px;height:${labelHeight - 3}px;border-color:${panel.colour}`;
+    const labelRect = `left:${rect.x + clip[0] * rect.width}px;top:${rect.y - labelHeight()}px;` +
+      `width:${(clip[1] - clip[0]) * rect.width}px;height:${labelHeight() - 3}px;border-color:${panel.colour}`;
     const elements = [
       h("div", { class: "label", style: labelRect }, h("kbd", {}, String(number + 1)), h("span", { style: `background:${panel.colour}` }, panel.label)),
       h("div", { class: "panel", "data-layer": panel.layer.id, "data-x": rect.x, "data-y": rect.y, "data-width": rect.width, "data-height": rect.height,
