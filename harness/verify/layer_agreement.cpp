@@ -14,7 +14,7 @@ namespace {
 
 /// Half a last place of a float (2^-24) for each of the hundred-odd operations behind a value.
 constexpr float pass_rounding = 0x1p-17f;
-constexpr float half_denormal = 0x1p-24f;
+constexpr float half_floor = 0x1p-15f;
 
 double share_of(double difference, double bound) {
   if (difference == 0.0) return 0.0;
@@ -54,7 +54,7 @@ void add_stored(Image& bound, const Image& values, const Image& mask, float stor
   for (std::size_t i = 0; i < values.values().size(); ++i) {
     if (mask.values()[i / channels] < 0.5f) continue;
     const float magnitude = std::abs(values.values()[i]);
-    bound.values()[i] += storage_error * magnitude + (storage_error > 0.0f ? half_denormal : 0.0f) +
+    bound.values()[i] += storage_error * magnitude + (storage_error > 0.0f ? half_floor : 0.0f) +
                          pass_rounding * (magnitude + mean);
   }
 }

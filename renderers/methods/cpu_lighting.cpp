@@ -27,10 +27,33 @@ glm::vec3 bilinear(const Image& image, glm::vec2 uv) {
   return glm::mix(above, below, share.y);
 }
 
+/// shared/octahedral.h's octahedral_uv(), for eight of the directions and without branches, and the
+/// texels that it falls into.
+Int8 octahedral_index8(const glm::mat3& m, const Lanes3& direction, int half, int side) {
+  const Float8 dx = load8(direction.x, half);
+  const Float8 dy = load8(direction.y, half);
+  const Float8 dz = load8(direction.z, half);
+  const Float8 x = m[0][0] * dx + m[1][0] * dy + m[2][0] * dz;
+  const Float8 y = m[0][1] * dx + m[1][1] * dy + m[2][1] * dz;
+  const Float8 z = m[0][2] * dx + m[1][2] * dy + m[2][2] * dz;
+  const Float8 scale = 1.0f / (abs8(x) + abs8(y) + abs8(z));
+  const Float8 px = x * scale;
+  const Float8 pz = z * scale;
+  const auto folded = [](Float8 other, Float8 own) {
+    const Float8 size = 1.0f - abs8(other);
+    return own < 0.0f ? -size : size;
+  };
+  const auto texel = [&](Float8 p) {
+    const Int8 i = __builtin_convertvector((0.5f + 0.5f * p) * float(side), Int8);
+    return i < side - 1 ? i : Int8{} + (side - 1);
+  };
+  return texel(y < 0.0f ? folded(px, pz) : pz) * side + texel(y < 0.0f ? folded(pz, px) : px);
+}
+
 }  // namespace
 
 CpuLighting::CpuLighting(const Lighting& lighting, const PassConstants& constants)
-    : probe_(lighting.environment().texels),
+    : probe_(lighting.octahedral_probe()),
       cones_(lighting.cones()),
       sh_(lighting.sh_view()),
       probe_from_view_(lighting.probe_from_view()),
@@ -41,8 +64,7 @@ CpuLighting::CpuLighting(const Lighting& lighting, const PassConstants& constant
 CpuLighting::Texels CpuLighting::probe_texels(const Lanes3& directions) const {
   Texels texels;
   for (const int half : half_lanes) {
-    const Int8 index =
-        equirect_index8(probe_from_view_, directions, half, probe_.width(), probe_.height());
+    const Int8 index = octahedral_index8(probe_from_view_, directions, half, probe_.width());
     for (std::size_t i = 0; i < 8; ++i) {
       const float* texel = probe_.values().data() + 3 * std::size_t(index[i]);
       _mm_prefetch(texel, _MM_HINT_T0);

@@ -14,8 +14,8 @@ class CpuLighting {
   /// Makes whatever `lighting`, which outlives this, has not made yet.
   CpuLighting(const Lighting& lighting, const PassConstants& constants);
 
-  /// The probe's nearest texels in 16 directions, on their way into the cache: each is three
-  /// floats, RGB.
+  /// The octahedral probe's nearest texels in 16 directions, on their way into the cache: each is
+  /// three floats, RGB.
   using Texels = std::array<const float*, lane_count>;
   Texels probe_texels(const Lanes3& directions) const;
   static std::array<Lanes, 3> radiance(const Texels& texels);

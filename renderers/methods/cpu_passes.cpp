@@ -48,11 +48,13 @@ struct TangentDirection {
   int cell;      ///< tangent_cell()
 };
 
-/// Those of a cell one after the other: they meet the same triangles.
-std::vector<TangentDirection> tangent_directions(const SampleSet& samples) {
+/// Those of a cell one after the other: they meet the same triangles. Turned by the angle whose
+/// cosine and sin are `turn`.
+std::vector<TangentDirection> tangent_directions(const SampleSet& samples, glm::vec2 turn) {
   std::vector<TangentDirection> directions;
-  for (const glm::vec4& sample : samples.directions) {
-    directions.push_back({glm::vec3(sample), sample.w, tangent_cell(glm::vec3(sample))});
+  for (const glm::vec4& s : samples.directions) {
+    const glm::vec3 d(turn.x * s.x - turn.y * s.y, turn.x * s.y + turn.y * s.x, s.z);
+    directions.push_back({d, s.w, tangent_cell(d)});
   }
   std::ranges::stable_sort(directions, {}, &TangentDirection::cell);
   return directions;
@@ -114,8 +116,10 @@ struct LaneSums {
 
 /// The directions of a set as the passes add them up.
 struct PreparedSet {
-  PreparedSet(const DirectionSums& in, std::span<const Representation* const> representations)
-      : samples(&in.samples), sums(in.sums), directions(tangent_directions(in.samples)) {
+  /// `turn`: of the set against the pixels' frames.
+  PreparedSet(const DirectionSums& in, glm::vec2 turn,
+              std::span<const Representation* const> representations)
+      : samples(&in.samples), sums(in.sums), directions(tangent_directions(in.samples, turn)) {
     for (const Representation* r : representations) weights.push_back(weights_of(*r, directions));
   }
 
@@ -129,11 +133,11 @@ struct PreparedSet {
 class GroupPass {
  public:
   GroupPass(const DirectionPass& pass, std::span<const Representation* const> representations,
-            float shift, const PixelGroup& group, VisibilitySource& visibility)
+            const PixelGroup& group, int turn, VisibilitySource& visibility)
       : pass_(pass),
         representations_(representations),
-        shift_(shift),
         group_(group),
+        turn_(std::size_t(turn)),
         visibility_(visibility) {}
 
   void add(const PreparedSet& set) const {
@@ -141,7 +145,7 @@ class GroupPass {
     for (std::size_t r = 0; r < representations_.size(); ++r) {
       lanes.push_back({representations_[r], &set.weights[r]});
     }
-    add_probe(set.directions, lanes);
+    add_probe(set, lanes);
     for (std::size_t r = 0; r < lanes.size(); ++r) {
       if (representations_[r]->reads_radiance) add_lights(*set.samples, lanes[r]);
       store(lanes[r], set.sums[r]);
@@ -149,16 +153,17 @@ class GroupPass {
   }
 
  private:
-  void add_probe(const std::vector<TangentDirection>& directions, std::span<LaneSums> lanes) const {
+  void add_probe(const PreparedSet& set, std::span<LaneSums> lanes) const {
+    const float shift = set.samples->sets[turn_].z;
     const bool reads_radiance =
         std::ranges::any_of(representations_, [](const auto* r) { return r->reads_radiance; });
     std::array<Lanes, 3> radiance;
-    for (std::size_t k = 0; k < directions.size(); ++k) {
-      const TangentDirection& d = directions[k];
+    for (std::size_t k = 0; k < set.directions.size(); ++k) {
+      const TangentDirection& d = set.directions[k];
       // Texels are fetched while the rays are traced.
       CpuLighting::Texels texels;
       if (reads_radiance) texels = pass_.lighting.probe_texels(out_of(group_.frame, d.direction));
-      const Lanes visible = visibility_.toward(d.direction, d.cell, fract(d.offset + shift_));
+      const Lanes visible = visibility_.toward(d.direction, d.cell, fract(d.offset + shift));
       if (reads_radiance) {
         radiance = CpuLighting::radiance(texels);
         for (Lanes& channel : radiance) channel = product(channel, visible);
@@ -170,7 +175,7 @@ class GroupPass {
   /// A punctual light is one more direction, up to the light or d_max. Its irradiance is that of a
   /// sample of radiance E N / (2 pi).
   void add_lights(const SampleSet& samples, LaneSums& lanes) const {
-    const float xi = fract(samples.directions.front().w + shift_);
+    const float xi = fract(samples.directions.front().w + samples.sets[turn_].z);
     const float radiance_of_irradiance = float(samples.directions.size()) / (2.0f * pi);
     for (const PunctualLight& light : pass_.lighting.lights()) {
       std::array<IncidentLight, lane_count> incident;
@@ -207,8 +212,8 @@ class GroupPass {
 
   const DirectionPass& pass_;
   std::span<const Representation* const> representations_;
-  float shift_;
   const PixelGroup& group_;
+  std::size_t turn_;
   VisibilitySource& visibility_;
 };
 
@@ -218,16 +223,18 @@ void add_directions(const DirectionPass& pass, std::span<const DirectionSums> se
                     TurnPattern pattern, std::span<const Representation* const> representations) {
   std::vector<PreparedSet> prepared;
   long directions = 0;
+  const SampleSet& turns = sets.front().samples;
+  const glm::vec2 first_turn(turns.sets.front());
   for (const DirectionSums& set : sets) {
-    prepared.emplace_back(set, representations);
+    const glm::vec2 own(set.samples.sets.front());
+    const glm::vec2 apart(glm::dot(own, first_turn), own.y * first_turn.x - own.x * first_turn.y);
+    prepared.emplace_back(set, &set == sets.data() ? glm::vec2(1, 0) : apart, representations);
     directions += long(set.samples.directions.size());
   }
-  const SampleSet& turns = sets.front().samples;
   const auto add_group = [&, visibility = pass.visibility](const PixelGroup& group,
                                                            int set) mutable {
     visibility.set_group(group, directions);
-    const GroupPass group_pass(pass, representations, turns.sets[std::size_t(set)].z, group,
-                               visibility);
+    const GroupPass group_pass(pass, representations, group, set, visibility);
     for (const PreparedSet& each : prepared) group_pass.add(each);
   };
   for_each_group(pass.surface, turns, pattern, add_group);

@@ -29,7 +29,8 @@ struct DirectionSums {
 };
 
 /// Adds every direction of the sets at every pixel to the sums of each representation. The pixels'
-/// turns are those of the first set: so a second one costs rays less. Multi-threaded; throws
+/// frames are those of the first set; another set is turned against it as a whole, by what their
+/// first turns differ by: so what a tile's rays can meet is listed once. Multi-threaded; throws
 /// Interrupted.
 void add_directions(const DirectionPass& pass, std::span<const DirectionSums> sets,
                     TurnPattern pattern, std::span<const Representation* const> representations);

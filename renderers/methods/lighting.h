@@ -25,8 +25,12 @@ class Lighting {
   glm::mat3 probe_from_view() const;
   /// Order-4 SH of the probe in view space: c[env] of [S3HO eq. 4].
   const ShRgb& sh_view() const;
-  /// The probe's texels.
-  const Texture& probe_texture() const;
+  /// The probe's radiance by shared/octahedral.h, probe space: RGB, square, its side a power of
+  /// two, at least the probe's width up to 4096. A texel is the mean of the probe over its solid
+  /// angle.
+  int octahedral_side() const;
+  const Image& octahedral_probe() const;
+  const Texture& octahedral_texture() const;
   /// L_c at alpha_k = (k+1)/8 pi/2, probe space. The last level is E_unoccluded / pi. The first and
   /// last rows are beyond the poles, for filtering only.
   const std::vector<Image>& cones() const;
@@ -42,7 +46,8 @@ class Lighting {
   std::vector<Light> lights_;
   View view_;
   mutable std::optional<ShRgb> sh_view_;
-  mutable std::optional<Texture> probe_texture_;
+  mutable std::optional<Image> octahedral_probe_;
+  mutable std::optional<Texture> octahedral_texture_;
   mutable std::optional<std::vector<Image>> cones_;
   mutable std::optional<Texture> cone_texture_;
   mutable std::optional<Buffer> light_buffer_;

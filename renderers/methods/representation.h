@@ -26,8 +26,8 @@ struct Representation {
 
   int channels = 0;
   bool reads_radiance = false;  ///< looks light up, and marches to lights, while sampling
-  /// A stored value is off by up to this times itself: a half float's last place, as a device may
-  /// truncate [GLSL 4.50 sec. 4.7.1], or 0.
+  /// A stored value is off by up to this times itself (or a little near 0): half of a half float's
+  /// last place, or 0.
   float storage_error = 0.0f;
   /// Linear in V times the radiance, or in V alone where it does not read radiance.
   void (*accumulate)(Values& sums, const SampledDirection& sample) = nullptr;

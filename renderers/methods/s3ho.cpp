@@ -1,4 +1,5 @@
 #include "renderers/methods/representation_layers.h"
+#include "renderers/methods/sample_shader.h"
 #include "renderers/methods/screen_space.h"
 #include "renderers/shared/representation_sh4.h"
 #include "renderers/shared/sh_rotation.h"
@@ -20,7 +21,7 @@ glm::vec3 irradiance(const Values& c, const ShadedPoint& point, const CpuLightin
 
 constexpr Representation visibility_sh = {
     .channels = 16,
-    .storage_error = 0x1p-10f,
+    .storage_error = 0x1p-11f,
     .accumulate =
         [](Values& sums, const SampledDirection& s) {
           Sh4 sum = sh_of(sums);
@@ -40,20 +41,47 @@ constexpr Representation visibility_sh = {
         },
 };
 
+/// Weighted visibility is no bit.
+bool projects_bits(const ParameterSet& parameters) {
+  return parameters.choice("projection") == "auto" && parameters.choice("weight") == "binary";
+}
+
+std::string projection_preamble(const ParameterSet& parameters) {
+  if (!projects_bits(parameters)) return {};
+  return "#define PROJECTS_BITS\n" + sh_projection(int(parameters.integer("samples")));
+}
+
+Parameter projection_parameter() {
+  Parameter projection = choice_parameter(
+      "projection", {"auto", "direct"},
+      "how visible directions become SH: all at once from their bits, where visibility is binary, "
+      "or each with its own basis functions, as the paper has it; the result is the same");
+  projection.factor = Factor::samples;
+  projection.in_shaders = false;
+  return projection;
+}
+
 }  // namespace
 
 MethodInfo s3ho() {
+  std::vector<Parameter> parameters = screen_space_parameters();
+  parameters.push_back(projection_parameter());
   const ScreenSpacePasses passes{
       .occlusion_shader = "renderers/methods/s3ho.frag",
       .lighting_shader = "renderers/methods/s3ho_lighting.frag",
       .representation_formats = {GL_RGBA32UI, GL_RGBA32UI},
+      .occlusion_preamble = projection_preamble,
+      .add_facts =
+          [](const ParameterSet& chosen, Metadata& facts) {
+            facts["projection"] = projects_bits(chosen) ? "visibility bits" : "direct";
+          },
       .representation = &visibility_sh,
       .off_screen_shader = {},
   };
   return screen_space_method({.name = "s3ho",
                               .title = "S3HO",
                               .paper = "Herholz, Schairer, Schilling, Strasser 2012",
-                              .parameters = screen_space_parameters(),
+                              .parameters = std::move(parameters),
                               .layers = {"ambient_occlusion", "sh_visibility"}},
                              passes);
 }

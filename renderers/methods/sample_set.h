@@ -11,10 +11,11 @@ namespace occlab {
 /// turned about the normal 16 ways for a 4x4 interleaved pattern [Keller and Heidrich 2001]. A
 /// pixel's set is (x & 3) + 4 (y & 3).
 ///
-/// Heights are stratified, z_i = (i + 1/2)/N, so that sum z = N/2 and an open plane has an ambient
-/// occlusion of exactly 1; azimuths are a golden-ratio sequence. A seed draws the azimuths' shift,
-/// the order of the 16 turns and the march offsets: over seeds every azimuth and every offset is
-/// uniform.
+/// Directions and offsets depend on N alone, so that shaders hold them as constants. They come in
+/// rings of one height, evenly spaced in azimuth; heights are stratified and weighted so that
+/// sum z = N/2, and an open plane has an ambient occlusion of exactly 1; rings are turned against
+/// each other by the golden ratio. A seed draws the 16 turns and shifts of the march offsets, each
+/// stratified, and their order: over seeds every azimuth and every offset is uniform.
 struct SampleSet {
   /// xyz: unit direction in the tangent frame (z along the normal); w: march offset in [0, 1).
   std::vector<glm::vec4> directions;
@@ -23,5 +24,16 @@ struct SampleSet {
 };
 
 SampleSet make_sample_set(int sample_count, std::uint64_t seed);
+
+/// Directions of one height, one after the other in a set: of `count` directions, direction k is at
+/// the azimuth of the first plus k/count turns.
+struct SampleRing {
+  int first;
+  int count;
+};
+/// The rings of a set of N directions. Of 16 directions each has 2, of 32 it has 4, which leaves at
+/// least 8 heights: S3HO's projection needs fewer products for them, and its error is no larger. Of
+/// fewer or more directions, each has a height of its own. The last ring has what is left.
+std::vector<SampleRing> sample_rings(int sample_count);
 
 }  // namespace occlab

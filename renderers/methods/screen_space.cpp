@@ -9,6 +9,7 @@
 #include "renderers/methods/frame.h"
 #include "renderers/methods/representation_layers.h"
 #include "renderers/methods/sample_set.h"
+#include "renderers/methods/sample_shader.h"
 
 namespace occlab {
 namespace {
@@ -27,18 +28,22 @@ enum TextureUnit : GLuint {
 enum BufferBinding : GLuint { binding_samples, binding_lights, binding_sh };
 
 std::string preamble(const Frame& frame, const ParameterSet& parameters,
-                     const std::vector<GLenum>& formats) {
+                     const ScreenSpacePasses& passes) {
+  const std::vector<GLenum>& formats = passes.representation_formats;
   return fmt::format(
-      "{}#define LIGHT_COUNT {}\n#define TARGET_COUNT {}\n#define INTEGER_TARGETS {}\n",
-      parameters.glsl_preamble(), frame.lighting.lights().size(), formats.size(),
+      "{}{}#define PROBE_SIDE {}\n#define LIGHT_COUNT {}\n#define TARGET_COUNT {}\n"
+      "#define INTEGER_TARGETS {}\n",
+      parameters.glsl_preamble(),
+      sample_constants(int(parameters.integer("samples")), int(parameters.integer("steps"))),
+      frame.lighting.octahedral_side(), frame.lighting.lights().size(), formats.size(),
       formats.front() == GL_RGBA32UI ? 1 : 0);
 }
 
 /// Uses the program and hands it what every pass may read.
 void use_program(const Frame& frame, const ParameterSet& parameters, const std::string& shader,
-                 const std::vector<GLenum>& formats) {
-  const Program& program =
-      frame.programs.get(fullscreen_vertex_shader, shader, preamble(frame, parameters, formats));
+                 const ScreenSpacePasses& passes, const std::string& own_preamble = {}) {
+  const Program& program = frame.programs.get(fullscreen_vertex_shader, shader,
+                                              preamble(frame, parameters, passes) + own_preamble);
   // Before use(): the first call draws the G-buffer with a program of its own.
   const GBuffer& gbuffer = frame.gbuffer(gbuffer_bits(parameters));
   program.use();
@@ -54,7 +59,9 @@ void use_program(const Frame& frame, const ParameterSet& parameters, const std::
   Program::bind_texture(unit_position, gbuffer.position_view());
   Program::bind_texture(unit_normal, gbuffer.normal_view());
   Program::bind_texture(unit_albedo, gbuffer.albedo());
-  Program::bind_texture(unit_probe, frame.lighting.probe_texture());
+  if (passes.representation->reads_radiance) {
+    Program::bind_texture(unit_probe, frame.lighting.octahedral_texture());
+  }
   Program::bind_texture(unit_cones, frame.lighting.cone_texture());
   Program::bind_uniform_buffer(binding_lights, frame.lighting.light_buffer());
   Program::bind_uniform_buffer(binding_sh, frame.lighting.sh_buffer());
@@ -93,14 +100,14 @@ void ScreenSpaceMethod::prepare(const Frame& frame) {
 }
 
 void ScreenSpaceMethod::run_samples(const Frame& frame, const ParameterSet& parameters,
-                                    const std::string& shader, const Framebuffer& target,
-                                    std::string_view pass) {
+                                    const std::string& shader, const std::string& preamble,
+                                    const Framebuffer& target, std::string_view pass) {
   const SampleSet samples = make_sample_set(int(parameters.integer("samples")),
                                             std::uint64_t(parameters.integer("seed")));
-  std::vector<glm::vec4> block = samples.directions;
-  block.insert(block.end(), samples.sets.begin(), samples.sets.end());
+  std::vector<glm::vec4> block(samples.sets.begin(), samples.sets.end());
+  block.insert(block.end(), samples.directions.begin(), samples.directions.end());
   const Buffer sample_buffer(block.data(), block.size() * sizeof(glm::vec4));
-  use_program(frame, parameters, shader, passes_.representation_formats);
+  use_program(frame, parameters, shader, passes_, preamble);
   Program::bind_uniform_buffer(binding_samples, sample_buffer);
   target.bind();
   frame.clock(pass, draw_fullscreen);
@@ -108,7 +115,10 @@ void ScreenSpaceMethod::run_samples(const Frame& frame, const ParameterSet& para
 
 void ScreenSpaceMethod::run_occlusion(const Frame& frame, const ParameterSet& parameters) {
   if (!traces(parameters)) {
-    run_samples(frame, parameters, passes_.occlusion_shader, *representation_, "occlusion");
+    const std::string preamble =
+        passes_.occlusion_preamble ? passes_.occlusion_preamble(parameters) : std::string();
+    run_samples(frame, parameters, passes_.occlusion_shader, preamble, *representation_,
+                "occlusion");
     return;
   }
   frame.traced();  // built before the clock runs
@@ -119,7 +129,7 @@ void ScreenSpaceMethod::run_occlusion(const Frame& frame, const ParameterSet& pa
 }
 
 void ScreenSpaceMethod::run_filter(const Frame& frame, const ParameterSet& parameters) {
-  use_program(frame, parameters, filter_shader, passes_.representation_formats);
+  use_program(frame, parameters, filter_shader, passes_);
   bind_inputs(*representation_);
   filtered_->bind();
   frame.clock("filter", draw_fullscreen);
@@ -127,7 +137,7 @@ void ScreenSpaceMethod::run_filter(const Frame& frame, const ParameterSet& param
 
 void ScreenSpaceMethod::run_lighting(const Frame& frame, const ParameterSet& parameters,
                                      const Framebuffer& representation) {
-  use_program(frame, parameters, passes_.lighting_shader, passes_.representation_formats);
+  use_program(frame, parameters, passes_.lighting_shader, passes_);
   bind_inputs(representation);
   radiance_->bind();
   frame.clock("lighting", draw_fullscreen);
@@ -148,6 +158,7 @@ Layers ScreenSpaceMethod::evaluate(const Frame& frame, const ParameterSet& param
   std::size_t negative_pixels = 0;
   layers.add("radiance", clamp_negative(read_radiance(*radiance_), negative_pixels));
   facts["negative_pixels"] = std::to_string(negative_pixels);
+  if (passes_.add_facts && !traces(parameters)) passes_.add_facts(parameters, facts);
   const Representation& representation = *passes_.representation;
   representation.add_layers(
       representation.download(filters(parameters) ? *filtered_ : *representation_,
@@ -163,7 +174,7 @@ Layers ScreenSpaceMethod::evaluate(const Frame& frame, const ParameterSet& param
   if (!passes_.off_screen_shader.empty() && !traces(parameters)) {
     const std::array<GLenum, 1> format = {GL_R32F};
     const Framebuffer share(frame.view.width, frame.view.height, format, false);
-    run_samples(frame, parameters, passes_.off_screen_shader, share, "off_screen");
+    run_samples(frame, parameters, passes_.off_screen_shader, {}, share, "off_screen");
     layers.add("off_screen", channels_of(share.colors().front().download(), 0, 1));
   }
   check_gl("reading a screen-space method back");

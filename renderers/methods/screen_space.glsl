@@ -6,17 +6,22 @@
 #include "renderers/shared/frame.h"
 #include "renderers/shared/lights.h"
 #include "renderers/shared/march.h"
+#include "renderers/shared/octahedral.h"
 #include "renderers/shared/visibility.h"
 
 layout(binding = 0) uniform sampler2D position_view;  // w: 1 where a surface is seen
 layout(binding = 1) uniform sampler2D normal_view;
 layout(binding = 2) uniform sampler2D albedo_map;
-layout(binding = 3) uniform sampler2D probe_texels;
+layout(binding = 3) uniform sampler2D octahedral_probe;
 layout(binding = 4) uniform sampler2DArray cone_light;  // L_c, 8 levels
 
+// sample_direction[N]: tangent frame; w: march offset. Constants of the program, unless there are
+// too many.
 layout(std140, binding = 0) uniform SampleBlock {
-  vec4 sample_direction[PARAMETER_samples];  // tangent frame; w: march offset
-  vec4 sample_set[16];                       // cos, sin of the turn; z: offset shift
+  vec4 sample_set[16];  // cos, sin of the turn; z: offset shift
+#ifdef SAMPLES_IN_BUFFER
+  vec4 sample_direction[PARAMETER_samples];
+#endif
 };
 
 #if LIGHT_COUNT > 0
@@ -70,9 +75,8 @@ float march_visibility(vec3 p, vec3 n, vec3 s, float xi, float reach) {
 
 // The probe's radiance from direction s: the nearest texel.
 vec3 probe_radiance(vec3 s) {
-  ivec2 size = textureSize(probe_texels, 0);
-  ivec2 texel = ivec2(equirect_uv(probe_from_view * s) * vec2(size));
-  return texelFetch(probe_texels, clamp(texel, ivec2(0), size - 1), 0).rgb;
+  ivec2 texel = ivec2(octahedral_uv(probe_from_view * s) * float(PROBE_SIDE));
+  return texelFetch(octahedral_probe, min(texel, ivec2(PROBE_SIDE - 1)), 0).rgb;
 }
 
 // L_c(d, angle) of the pre-convolved levels, linear in the angle.

@@ -17,6 +17,10 @@ struct ScreenSpacePasses {
   std::string occlusion_shader;
   std::string lighting_shader;
   std::vector<GLenum> representation_formats;  ///< the occlusion pass's targets
+  /// GLSL that goes before the occlusion shader. Empty: none.
+  std::function<std::string(const ParameterSet&)> occlusion_preamble = {};
+  /// What evaluate() has to say of the way it went.
+  std::function<void(const ParameterSet&, Metadata&)> add_facts = {};
   /// What the targets hold, and the same on the CPU; outlives the method.
   const Representation* representation = nullptr;
   /// A pass of the same samples that fills one float, drawn for evaluate() only and never timed:
@@ -36,7 +40,7 @@ class ScreenSpaceMethod final : public OcclusionMethod {
  private:
   void prepare(const Frame& frame);
   void run_samples(const Frame& frame, const ParameterSet& parameters, const std::string& shader,
-                   const Framebuffer& target, std::string_view pass);
+                   const std::string& preamble, const Framebuffer& target, std::string_view pass);
   void run_occlusion(const Frame& frame, const ParameterSet& parameters);
   void run_filter(const Frame& frame, const ParameterSet& parameters);
   void run_lighting(const Frame& frame, const ParameterSet& parameters,

@@ -17,7 +17,8 @@ void main() {
     vec4 s = sample_direction[j];
     vec3 direction = frame * s.xyz;
     float V = march_visibility(p.xyz, n, direction, fract(s.w + set.z), d_max_world);
-    if (V > 0.0) radiance_accumulate(sum, V, probe_radiance(direction), s.z);
+    // Looked up blocked or not: branches cost more where neighbours disagree.
+    radiance_accumulate(sum, V, probe_radiance(direction), s.z);
   }
   vec3 E = radiance_irradiance(sum, PARAMETER_samples);
 #if LIGHT_COUNT > 0

@@ -1,7 +1,7 @@
 // Real spherical harmonics up to band 3 (order 4, 16 coefficients), index i = l(l+1)+m, with the
 // signs of Sloan, "Stupid Spherical Harmonics (SH) Tricks", 2008, appendix A2. Orthonormal.
 #pragma once
-#include "renderers/shared/glsl.h"
+#include "renderers/shared/half.h"
 
 SHARED_BEGIN
 
@@ -92,16 +92,15 @@ SHARED vec4 sh_hanning_window(float width) {
 }
 
 // 16 coefficients as half pairs, 8 to a uvec4: "two Float32 targets" [S3HO sec. 3]. Integers,
-// because as floats some bit patterns would be NaNs. |error| <= 2^-11 |c| where the device rounds
-// to nearest; GLSL leaves that open, and one that truncates has up to 2^-10 |c|.
+// because as floats some bit patterns would be NaNs.
 SHARED uvec4 sh_pack_low(Sh4 a) {
-  return uvec4(packHalf2x16(vec2(a.c0.x, a.c0.y)), packHalf2x16(vec2(a.c0.z, a.c0.w)),
-               packHalf2x16(vec2(a.c1.x, a.c1.y)), packHalf2x16(vec2(a.c1.z, a.c1.w)));
+  return uvec4(pack_halves(a.c0.x, a.c0.y), pack_halves(a.c0.z, a.c0.w),
+               pack_halves(a.c1.x, a.c1.y), pack_halves(a.c1.z, a.c1.w));
 }
 
 SHARED uvec4 sh_pack_high(Sh4 a) {
-  return uvec4(packHalf2x16(vec2(a.c2.x, a.c2.y)), packHalf2x16(vec2(a.c2.z, a.c2.w)),
-               packHalf2x16(vec2(a.c3.x, a.c3.y)), packHalf2x16(vec2(a.c3.z, a.c3.w)));
+  return uvec4(pack_halves(a.c2.x, a.c2.y), pack_halves(a.c2.z, a.c2.w),
+               pack_halves(a.c3.x, a.c3.y), pack_halves(a.c3.z, a.c3.w));
 }
 
 SHARED Sh4 sh_unpack(uvec4 low, uvec4 high) {

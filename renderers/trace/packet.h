@@ -65,53 +65,7 @@ struct LaneFrames {
   return result;
 }
 
-/// shared/trigonometry.h's arctan2, for vectors: the look-ups of the passes and of the reference
-/// are the same. Inlined as out_of() is.
-[[gnu::always_inline]] inline Float8 atan2_8(Float8 y, Float8 x) {
-  const Float8 ax = abs8(x);
-  const Float8 ay = abs8(y);
-  const Float8 larger = ax > ay ? ax : ay;
-  const Float8 smaller = ax > ay ? ay : ax;
-  const Float8 a = smaller / (larger > 0.0f ? larger : all8(1.0f));
-  const Float8 s = a * a;
-  Float8 p = all8(0.0028662257f);
-  p = p * s - 0.0161657367f;
-  p = p * s + 0.0429096138f;
-  p = p * s - 0.0752896400f;
-  p = p * s + 0.1065626393f;
-  p = p * s - 0.1420889944f;
-  p = p * s + 0.1999355085f;
-  p = p * s - 0.3333314528f;
-  Float8 angle = a + a * s * p;
-  angle = ay > ax ? 1.57079632679f - angle : angle;
-  angle = x < 0.0f ? 3.14159265359f - angle : angle;
-  return y < 0.0f ? -angle : angle;
-}
-
 inline Float8 sqrt8(Float8 x) { return _mm256_sqrt_ps(x); }
-
-/// The texels, row by row, that eight of the directions meet in an image over the sphere:
-/// shared/equirect.h's equirect_uv() without branches.
-[[gnu::always_inline]] inline Int8 equirect_index8(const glm::mat3& probe_from_space,
-                                                   const Lanes3& direction, int half, int width,
-                                                   int height) {
-  const auto& m = probe_from_space;
-  const Float8 dx = load8(direction.x, half);
-  const Float8 dy = load8(direction.y, half);
-  const Float8 dz = load8(direction.z, half);
-  const Float8 x = m[0][0] * dx + m[1][0] * dy + m[2][0] * dz;
-  const Float8 y = m[0][1] * dx + m[1][1] * dy + m[2][1] * dz;
-  const Float8 z = m[0][2] * dx + m[1][2] * dy + m[2][2] * dz;
-  const Float8 u = 0.5f + atan2_8(z, x) * 0.1591549431f;
-  // Not the arccosine of y, as in shared/equirect.h.
-  const Float8 v = atan2_8(sqrt8(x * x + z * z), y) * 0.3183098862f;
-  const auto clamped = [](Float8 value, int size) {
-    const Int8 i = __builtin_convertvector(value * float(size), Int8);
-    const Int8 least = i > 0 ? i : Int8{};
-    return least < size ? least : Int8{} + (size - 1);
-  };
-  return clamped(v, height) * width + clamped(u, width);
-}
 
 /// Fills a packet of rays from `origin` along `direction`, from 0 to `distance`.
 template <typename Ray>

@@ -55,8 +55,7 @@ void TileTracer::add_cosine(float u, float v, RaySums& sums) {
   // Texels are fetched while the rays are traced.
   alignas(32) std::array<const ProbeTable::Texel*, lane_count> texels;
   for (const int half : half_lanes) {
-    const Int8 index =
-        equirect_index8(table_.probe_from_world, direction, half, table_.width, table_.height);
+    const Int8 index = table_.index(direction, half);
     for (std::size_t i = 0; i < 8; ++i) {
       const ProbeTable::Texel* texel = &table_.texels[std::size_t(index[i])];
       _mm_prefetch(texel, _MM_HINT_T0);

@@ -1,0 +1,22 @@
+// Half floats [IEEE 754 binary16], the same on every device: GLSL's packHalf2x16 may round as the
+// device likes, and Mesa's software rasteriser, which truncates, takes longer over it.
+#pragma once
+#include "renderers/shared/glsl.h"
+
+SHARED_BEGIN
+
+// a in the low half and b in the high one, rounded to nearest: each is off by at most 2^-11 of
+// itself, and below 2^-14, where halves have no exponent left, by at most 2^-15. Magnitudes below
+// 65520.
+SHARED uint pack_halves(float a, float b) {
+  const uint low = floatBitsToUint(a);
+  const uint high = floatBitsToUint(b);
+  // The exponent's bias goes from 127 to 15, the mantissa from 23 to 10 bits.
+  const int rebias = 0x1000 - (112 << 23);
+  const uint low_magnitude = uint(max(int(low & 0x7fffffffu) + rebias, 0));
+  const uint high_magnitude = uint(max(int(high & 0x7fffffffu) + rebias, 0));
+  return (low_magnitude >> 13) | ((low >> 16) & 0x8000u) |
+         ((high_magnitude << 3) & 0x7fff0000u) | (high & 0x80000000u);
+}
+
+SHARED_END
