@@ -232,6 +232,7 @@ void pack_own_layers(Packer& packer, const std::vector<std::size_t>& groups) {
   Set others{"visibility coefficients, bent normals and irradiance", {}};
   for (const std::size_t group : groups) {
     const Packer::Shown shown = packer.read(group);
+    if (!shown.cell) continue;
     for (const Layers::Layer& layer : shown.layers.all()) {
       const int channels = layer.image.channels();
       if (!is_own_layer(layer.name) || (channels != 1 && channels != 3 && channels != 16)) continue;
@@ -263,7 +264,7 @@ void pack_maps(Packer& packer, std::vector<Cell>& cells, const std::vector<Group
     for (const std::size_t group : chosen) {
       const Packer::Shown shown = packer.read(group);
       for (const NamedMap& map : budget_maps(cell.facts, *budget, groups[group], shown.layers,
-                                             *reference, frame.mean_luminance)) {
+                                             frame.reference, frame.mean_luminance)) {
         budgets.candidates.push_back(packer.candidate("g" + std::to_string(group), map));
       }
     }

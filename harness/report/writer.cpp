@@ -103,7 +103,7 @@ Frame read_frame(std::vector<Cell>& cells, const std::vector<Group>& groups, Ver
   }
   const auto some = some_layers(cells, groups);
   if (some) {
-    verdict.problems.push_back(
+    verdict.problems.emplace_back(
         "without a reference: radiance is not in mean luminances, and exposure 1 is white");
   }
   return make_frame(nullptr, some ? &*some : nullptr);

@@ -180,8 +180,8 @@ await check("an address opens the same view again", async () => {
   await page.locator(".stage").focus();
   for (const key of ["3", "d", "e"]) await page.keyboard.press(key);
   await drawn(page);
-  const box = await page.locator(".stage .panel").first().boundingBox();
-  await page.mouse.click(box.x + box.width / 3, box.y + box.height / 3);
+  const box = await page.locator(".stage").boundingBox();
+  await page.mouse.click(box.x + box.width / 2, box.y + box.height / 3);
   await page.mouse.move(2, 2);
   await drawn(page);
   const [hash, image, text] = [await page.evaluate(() => location.hash), await readPanel(page, 0), await page.locator(".readout").innerText()];
@@ -296,19 +296,21 @@ await check("the keyboard reaches everything", async () => {
 });
 
 await check("it fits three widths, bright, dark and on paper", async () => {
-  for (const [width, height] of [[1280, 900], [1920, 1080], [3840, 2160]]) {
-    for (const colorScheme of ["light", "dark"]) {
-      const page = await open(smoke.index, "#pin=70,50", {viewport: {width, height}, colorScheme});
-      await drawn(page);
-      await page.screenshot({path: `${tasks.out}/${width}-${colorScheme}.png`, fullPage: true, timeout: 60000});
-      const {overflow, smallest} = await page.evaluate(() => ({
-        overflow: document.scrollingElement.scrollWidth - window.innerWidth,
-        smallest: Math.min(...[...document.querySelectorAll("p, td, th, li, button, select, figcaption")].map((e) => parseFloat(getComputedStyle(e).fontSize))),
-      }));
-      assert.ok(overflow <= 0, `${width}: ${overflow} pixels too wide`);
-      assert.ok(smallest >= 12, `${width}: text of ${smallest} pixels`);
-      await page.context().close();
+  for (const [width, height, colorScheme] of [[1280, 900, "light"], [1920, 1080, "dark"], [3840, 2160, "light"]]) {
+    const page = await open(smoke.index, "#pin=70,50", {viewport: {width, height}, colorScheme});
+    await drawn(page);
+    for (const id of ["page", "viewer", "lobes", "plots", "tables", "figures", "cells"]) {
+      await page.evaluate((section) => document.getElementById(section).scrollIntoView(), id);
+      await page.waitForTimeout(150);
+      await page.screenshot({path: `${tasks.out}/${width}-${colorScheme}-${id}.png`, timeout: 60000});
     }
+    const {overflow, smallest} = await page.evaluate(() => ({
+      overflow: document.scrollingElement.scrollWidth - window.innerWidth,
+      smallest: Math.min(...[...document.querySelectorAll("p, td, th, li, button, select, figcaption")].map((e) => parseFloat(getComputedStyle(e).fontSize))),
+    }));
+    assert.ok(overflow <= 0, `${width}: ${overflow} pixels too wide`);
+    assert.ok(smallest >= 12, `${width}: text of ${smallest} pixels`);
+    await page.context().close();
   }
   const page = await open(smoke.index);
   await drawn(page);

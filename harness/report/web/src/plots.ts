@@ -72,7 +72,11 @@ function pareto(points: Points): HTMLElement | null {
       const time = times.find((candidate) => candidate.name === point.name && candidate.href === point.href);
       return time ? [{ ...point, time: time.value, fastest: time.lower, slowest: time.upper }] : [];
     });
-    return draw(points, pairs, `Line: the Pareto front, what no other point is both faster and better than. Whiskers: 95% interval over the seeds, quartiles of the times. Clock: ${fact(points.data, "timing", "clock")}.`,
+    // Of one parameter that varies, its values are enough.
+    const labelled = [...new Set(pairs.map(({ label }) => label.replace(/ [^ ]*$/, "")))];
+    const short = labelled.length === 1 && !labelled[0]!.includes(",");
+    const label = (pair: Point) => (short ? pair.label.replace(/^.* /, "") : pair.label);
+    return draw(points, pairs, `${short ? `Numbers: ${labelled[0]}. ` : ""}Line: the Pareto front, what no other point is both faster and better than. Whiskers: 95% interval over the seeds, quartiles of the times. Clock: ${fact(points.data, "timing", "clock")}.`,
       width, {
         x: { type: "log", label: `${chosen.pass} time (ms)`, ticks: 6, tickFormat: "~g" },
         y: { label: `${chosen.error}${unit(points.data, chosen.error!)}, ${lower ? "lower" : "higher"} is better`, nice: true },
@@ -81,7 +85,7 @@ function pareto(points: Points): HTMLElement | null {
           Plot.ruleX(pairs, { x: "time", y1: "lower", y2: "upper", stroke: "method" }),
           Plot.ruleY(pairs, { y: "value", x1: "fastest", x2: "slowest", stroke: "method" }),
           dots(pairs, "time", "value"),
-          Plot.text(pairs, { x: "time", y: "value", text: "label", dx: 8, dy: -8, textAnchor: "start", fill: "currentColor", stroke: "var(--paper)", strokeWidth: 3 }),
+          Plot.text(pairs, { x: "time", y: "value", text: label, dx: 8, dy: -8, textAnchor: "start", fill: "currentColor", stroke: "var(--paper)", strokeWidth: 3 }),
         ],
       });
   });

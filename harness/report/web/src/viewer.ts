@@ -26,6 +26,7 @@ export class Viewer {
   private readonly bar: Controls;
   private readonly frame: [number, number];
   private renderer: Renderer | null = null;
+  private started = false;
   private failure = "";
   private pixels = new Map<string, Pixels | string>(); // a text: why there are none
   private hover: [number, number] | null = null;
@@ -39,15 +40,22 @@ export class Viewer {
     this.element = section("viewer", "Images", this.bar.element, this.stage, this.legendBox, this.readoutBox,
       h("p", { class: "note" }, "Keys on the images: 1 to 9 flip, g, f, s arrangement, arrows and +, \u2212, 0 move and zoom " +
         "(as the mouse does; the wheel zooms once the images are clicked), e and E exposure, d difference, l layer. Grey: no surface; magenta: not a finite number."));
+    this.listen();
+    new ResizeObserver(() => this.schedule()).observe(this.stage);
+    this.update({});
+    // The page is painted with the previews first: WebGL takes a while to start.
+    requestAnimationFrame(() => setTimeout(() => this.start(), 0));
+  }
+
+  private start(): void {
+    this.started = true;
     try {
-      this.renderer = new Renderer(this.canvas, data.colourMaps);
+      this.renderer = new Renderer(this.canvas, this.data.colourMaps);
     } catch (error) {
       this.failure = `No HDR view: ${error instanceof Error ? error.message : String(error)}. The previews are shown.`;
     }
-    this.listen();
-    new ResizeObserver(() => this.schedule()).observe(this.stage);
     this.mask();
-    this.update({});
+    this.schedule();
   }
 
   get current(): State { return this.state; }
@@ -140,7 +148,7 @@ export class Viewer {
 
   private draw(): void {
     this.placed = this.place();
-    for (const { panel } of this.placed) this.fetch(panel);
+    if (this.started) for (const { panel } of this.placed) this.fetch(panel);
     const first = this.placed[0];
     const drawings = this.drawings();
     if (first && this.renderer) {
