@@ -14,7 +14,7 @@ namespace {
 
 /// Half a last place of a float (2^-24) for each of the hundred-odd operations behind a value.
 constexpr float pass_rounding = 0x1p-17f;
-constexpr float half_floor = 0x1p-15f;
+constexpr float half_floor = 0x1p-14f;
 
 double share_of(double difference, double bound) {
   if (difference == 0.0) return 0.0;

@@ -35,7 +35,7 @@ void main() {
       vec4 p_neighbour = texelFetch(position_view, inside, 0);
       vec3 n_neighbour = normal_at(inside);
       float w = bilateral_weight(p.xyz, n, p_neighbour.xyz, n_neighbour, filter_power,
-                                 filter_scale * d_max_world);
+                                 WHOLE_FILTER_POWER, filter_scale * d_max_world);
       w *= neighbour == inside ? p_neighbour.w : 0.0;
       weights += w;
 #if INTEGER_TARGETS

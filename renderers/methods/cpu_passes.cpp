@@ -271,8 +271,9 @@ Image filter_on_cpu(const Image& values, const GBufferImages& surface,
         if (row < 0 || row >= values.height() || column < 0 || column >= values.width()) continue;
         if (surface.mask.at(column, row) < 0.5f) continue;
         const ShadedPoint neighbour = point_at(surface, column, row);
-        const float w = bilateral_weight(center.position, center.normal, neighbour.position,
-                                         neighbour.normal, constants.filter_power, scale);
+        const float w =
+            bilateral_weight(center.position, center.normal, neighbour.position, neighbour.normal,
+                             constants.filter_power, whole_filter_power(constants), scale);
         weights += w;
         const auto texel = values.pixel(column, row);
         for (std::size_t c = 0; c < texel.size(); ++c) sum[c] += w * texel[c];

@@ -108,11 +108,12 @@ const ShRgb& Lighting::sh_view() const {
 }
 
 int Lighting::octahedral_side() const {
-  // What blurs within a texel is below the probe's resolution, and a small probe's texels keep
-  // their outlines.
+  // Texels of about the size of the probe's own at its equator; small ones keep their outlines, and
+  // the map stays small enough for caches.
   constexpr unsigned least = 512;
-  constexpr unsigned most = 4096;
-  return int(std::clamp(std::bit_ceil(unsigned(environment_.texels.width())), least, most));
+  constexpr unsigned most = 2048;
+  const auto width = unsigned(environment_.texels.width());
+  return int(std::clamp(std::bit_ceil(width) / 2, least, most));
 }
 
 const Image& Lighting::octahedral_probe() const {

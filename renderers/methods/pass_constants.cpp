@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <iterator>
 
 namespace occlab {
@@ -109,6 +110,11 @@ PassConstants pass_constants(const ParameterSet& parameters) {
           .filter_scale = parameters.real32("filter_scale"),
           .hanning_width = parameters.real32("hanning_width"),
           .cone_angle = parameters.has("cone_angle") ? choice_index(parameters, "cone_angle") : 0};
+}
+
+int whole_filter_power(const PassConstants& constants) {
+  const float power = constants.filter_power;
+  return power == std::floor(power) && power < 1024.0f ? int(power) : -1;
 }
 
 }  // namespace occlab

@@ -34,6 +34,9 @@ struct PassConstants {
 };
 PassConstants pass_constants(const ParameterSet& parameters);
 
+/// The filter's power if it is a whole number that whole_power() of shared/filter.h takes, else -1.
+int whole_filter_power(const PassConstants& constants);
+
 /// Whether the representation is filtered, and whether its visibility is traced.
 bool filters(const ParameterSet& parameters);
 bool traces(const ParameterSet& parameters);

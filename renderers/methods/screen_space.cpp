@@ -31,12 +31,13 @@ std::string preamble(const Frame& frame, const ParameterSet& parameters,
                      const ScreenSpacePasses& passes) {
   const std::vector<GLenum>& formats = passes.representation_formats;
   return fmt::format(
-      "{}{}#define PROBE_SIDE {}\n#define LIGHT_COUNT {}\n#define TARGET_COUNT {}\n"
+      "{}{}#define WHOLE_FILTER_POWER {}\n#define PROBE_SIDE {}\n#define LIGHT_COUNT {}\n#define "
+      "TARGET_COUNT {}\n"
       "#define INTEGER_TARGETS {}\n",
       parameters.glsl_preamble(),
       sample_constants(int(parameters.integer("samples")), int(parameters.integer("steps"))),
-      frame.lighting.octahedral_side(), frame.lighting.lights().size(), formats.size(),
-      formats.front() == GL_RGBA32UI ? 1 : 0);
+      whole_filter_power(pass_constants(parameters)), frame.lighting.octahedral_side(),
+      frame.lighting.lights().size(), formats.size(), formats.front() == GL_RGBA32UI ? 1 : 0);
 }
 
 /// Uses the program and hands it what every pass may read.

@@ -4,7 +4,6 @@
 
 #ifdef __cplusplus
 #include <glm/glm.hpp>
-#include <glm/packing.hpp>
 #define SHARED inline
 #define INOUT(type) type&
 #define SHARED_BEGIN namespace occlab {
@@ -28,13 +27,12 @@ using glm::max;
 using glm::min;
 using glm::mix;
 using glm::normalize;
-using glm::packHalf2x16;
 using glm::pow;
 using glm::sin;
 using glm::smoothstep;
 using glm::sqrt;
-using glm::unpackHalf2x16;
 using glm::uint;
+using glm::uintBitsToFloat;
 using glm::uvec4;
 using glm::vec2;
 using glm::vec3;

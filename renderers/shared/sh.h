@@ -104,10 +104,10 @@ SHARED uvec4 sh_pack_high(Sh4 a) {
 }
 
 SHARED Sh4 sh_unpack(uvec4 low, uvec4 high) {
-  return sh4(vec4(unpackHalf2x16(low.x), unpackHalf2x16(low.y)),
-             vec4(unpackHalf2x16(low.z), unpackHalf2x16(low.w)),
-             vec4(unpackHalf2x16(high.x), unpackHalf2x16(high.y)),
-             vec4(unpackHalf2x16(high.z), unpackHalf2x16(high.w)));
+  return sh4(vec4(unpack_halves(low.x), unpack_halves(low.y)),
+             vec4(unpack_halves(low.z), unpack_halves(low.w)),
+             vec4(unpack_halves(high.x), unpack_halves(high.y)),
+             vec4(unpack_halves(high.z), unpack_halves(high.w)));
 }
 
 SHARED_END

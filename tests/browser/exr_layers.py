@@ -8,7 +8,8 @@ import zlib
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scenes"))
 import exr  # noqa: E402
 
-FLOAT, ROWS = 2, 16
+FLOAT = 2
+ROWS = {0: 1, 3: 16}  # of a block, by compression: none, ZIP
 
 
 def _attributes(data):
@@ -35,16 +36,17 @@ def _channels(packed):
 
 
 def read(path):
-    """{channel name: rows of floats, top row first} of a ZIP-compressed scan-line file."""
+    """{channel name: rows of floats, top row first} of a scan-line file, plain or ZIP."""
     data = pathlib.Path(path).read_bytes()
     attributes, at = _attributes(data)
     names = _channels(attributes["channels"])
     left, top, right, bottom = struct.unpack("<4i", attributes["dataWindow"])
     width, height = right - left + 1, bottom - top + 1
     planes = {name: [] for name in names}
-    for offset in struct.unpack_from(f"<{(height + ROWS - 1) // ROWS}Q", data, at):
+    block = ROWS[attributes["compression"][0]]
+    for offset in struct.unpack_from(f"<{(height + block - 1) // block}Q", data, at):
         first, size = struct.unpack_from("<ii", data, offset)
-        count = min(ROWS, height - (first - top))
+        count = min(block, height - (first - top))
         packed = data[offset + 8:offset + 8 + size]
         whole = count * width * 4 * len(names)
         raw = packed if size == whole else exr._unpredict(zlib.decompress(packed))

@@ -25,7 +25,7 @@ Image filtered(const GBufferImages& surface, const Image& input, float power, fl
           if (surface.mask.at(u, v) == 0.0f) continue;
           const double w = double(bilateral_weight(
               at(surface.position_view, x, y), at(surface.normal_view, x, y),
-              at(surface.position_view, u, v), at(surface.normal_view, u, v), power, scale));
+              at(surface.position_view, u, v), at(surface.normal_view, u, v), power, -1, scale));
           weights += w;
           for (int c = 0; c < input.channels(); ++c) {
             sum[std::size_t(c)] += w * double(input.at(u, v, c));
@@ -52,11 +52,19 @@ double largest_difference(const Image& a, const Image& b) {
 TEST(Filter, WeightIsThePapers) {
   // ((n.n')/2 + 1/2)^power / (1 + |p-p'|/scale)^2.
   const glm::vec3 p(1, 2, 3), n(0, 0, 1), slanted(0, 0.6f, 0.8f);
-  EXPECT_FLOAT_EQ(bilateral_weight(p, n, p, n, 5, 1), 1.0f);
-  EXPECT_FLOAT_EQ(bilateral_weight(p, n, p + glm::vec3(0, 2, 0), n, 5, 2), 0.25f);
-  EXPECT_NEAR(bilateral_weight(p, n, p, {1, 0, 0}, 5, 1), 1.0 / 32.0, 1e-7) << "90 degrees";
-  EXPECT_NEAR(bilateral_weight(p, n, p, slanted, 3, 1), 0.9 * 0.9 * 0.9, 1e-6);
-  EXPECT_EQ(bilateral_weight(p, n, p, -n, 5, 1), 0.0f);
+  EXPECT_FLOAT_EQ(bilateral_weight(p, n, p, n, 5, 5, 1), 1.0f);
+  EXPECT_FLOAT_EQ(bilateral_weight(p, n, p + glm::vec3(0, 2, 0), n, 5, 5, 2), 0.25f);
+  EXPECT_NEAR(bilateral_weight(p, n, p, {1, 0, 0}, 5, -1, 1), 1.0 / 32.0, 1e-7) << "90 degrees";
+  EXPECT_NEAR(bilateral_weight(p, n, p, slanted, 3, 3, 1), 0.9 * 0.9 * 0.9, 1e-6);
+  EXPECT_EQ(bilateral_weight(p, n, p, -n, 5, 5, 1), 0.0f);
+}
+
+TEST(Filter, WholePowersAreThoseOfPow) {
+  for (const int n : {0, 1, 2, 5, 32, 100, 1023}) {
+    for (const float x : {0.0f, 0.5f, 0.97f, 1.0f}) {
+      EXPECT_NEAR(whole_power(x, n), std::pow(x, float(n)), 1e-6f) << x << "^" << n;
+    }
+  }
 }
 
 TEST(Filter, EachRepresentationIsFilteredAsComputedHere) {

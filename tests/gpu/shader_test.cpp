@@ -102,7 +102,7 @@ void main() {
   out_other = vec4(bent_cone_angle(0.5 + 0.5 * abs(d.x), cone_angle_exact),
                    blocked_visibility(weight_smoothstep, abs(d.y), 1.0, 1.0, 0.25),
                    blocked_visibility(weight_lambda, abs(d.y), 1.0, 3.0, 0.25),
-                   bilateral_weight(d, d, d.yzx, d.zxy, 5.0, 0.5));
+                   bilateral_weight(d, d, d.yzx, d.zxy, 5.0, 5, 0.5));
   out_packed = sh_pack_low(sh_zonal(vec4(1.0, 2.0, 3.0, 4.0), d));
 }
 )");
@@ -296,7 +296,7 @@ TEST(Shaders, SharedHeadersComputeTheSameOnBothSides) {
              {bent_cone_angle(0.5f + 0.5f * std::abs(d.x), cone_angle_exact),
               blocked_visibility(weight_smoothstep, std::abs(d.y), 1.0f, 1.0f, 0.25f),
               blocked_visibility(weight_lambda, std::abs(d.y), 1.0f, 3.0f, 0.25f),
-              bilateral_weight(d, d, {d.y, d.z, d.x}, {d.z, d.x, d.y}, 5.0f, 0.5f)},
+              bilateral_weight(d, d, {d.y, d.z, d.x}, {d.z, d.x, d.y}, 5.0f, 5, 0.5f)},
              2e-4f);
       // Halves, each within a last bit of the value: the rounding is the device's.
       const Sh4 zonal = sh_zonal(vec4(1, 2, 3, 4), d);
