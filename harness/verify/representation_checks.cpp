@@ -114,11 +114,10 @@ Check gpu_check(const SceneOnDevice& scene, const Frame& frame, const MethodInfo
                    parameters);
   }
   const std::string view = fmt::format("{}, {}", scene.name(), frame.view.camera.name);
-  const char* const rule =
-      method.representation->storage_error > 0.0f
-          ? "each pass: 2^-11 of a value stored as half, 2^-17 for floats; "
-            "light: what that makes of E"
-          : "each pass: 2^-17 of a value; light: what that makes of E";
+  const char* const rule = method.representation->storage_error > 0.0f
+                               ? "each pass: 2^-11 of a value stored as half, 2^-17 for floats; "
+                                 "light: what that makes of E"
+                               : "each pass: 2^-17 of a value; light: what that makes of E";
   Check check = share_check(worst, fmt::format("{}: {} on GPU and CPU", view, method.title),
                             "|GPU - CPU|", rule);
   keep_images(check, worst.agreement, settings,

@@ -70,8 +70,11 @@ SampleSet make_sample_set(int sample_count, std::uint64_t seed) {
   const std::vector<int> shift_order = permutation(set.sets.size(), random);
   const double turn_shift = uniform(random);
   const double offset_shift = uniform(random);
+  // Rings that are whole come back to themselves after a part of a turn: more would repeat sets.
+  const int in_ring = sample_rings(sample_count).front().count;
+  const double range = sample_count % in_ring == 0 ? 1.0 / in_ring : 1.0;
   for (std::size_t m = 0; m < set.sets.size(); ++m) {
-    const glm::dvec2 turn = turned((turn_order[m] + turn_shift) / 16.0);
+    const glm::dvec2 turn = turned(range * (turn_order[m] + turn_shift) / 16.0);
     const double shift = fraction((shift_order[m] + offset_shift) / 16.0);
     set.sets[m] = glm::vec4(turn.x, turn.y, shift, 0.0);
   }

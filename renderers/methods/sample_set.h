@@ -14,8 +14,9 @@ namespace occlab {
 /// Directions and offsets depend on N alone, so that shaders hold them as constants. They come in
 /// rings of one height, evenly spaced in azimuth; heights are stratified and weighted so that
 /// sum z = N/2, and an open plane has an ambient occlusion of exactly 1; rings are turned against
-/// each other by the golden ratio. A seed draws the 16 turns and shifts of the march offsets, each
-/// stratified, and their order: over seeds every azimuth and every offset is uniform.
+/// each other by the golden ratio. A seed draws the 16 turns, over what the rings need to come back
+/// to themselves, and the shifts of the march offsets, each stratified, and their order: over seeds
+/// the azimuths of every ring and every offset are uniform.
 struct SampleSet {
   /// xyz: unit direction in the tangent frame (z along the normal); w: march offset in [0, 1).
   std::vector<glm::vec4> directions;

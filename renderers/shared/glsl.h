@@ -1,11 +1,13 @@
 // What lets the headers of this folder be C++ (through GLM) and GLSL 4.50 alike. Rules for them:
-// float literals carry an f, no references but INOUT(type), no recursion.
+// float literals carry an f, no references but INOUT(type), no recursion. PRECISE values are
+// computed as written: GLSL's compilers may regroup products otherwise, and decisions then differ.
 #pragma once
 
 #ifdef __cplusplus
 #include <glm/glm.hpp>
 #define SHARED inline
 #define INOUT(type) type&
+#define PRECISE const
 #define SHARED_BEGIN namespace occlab {
 #define SHARED_END }
 
@@ -41,6 +43,7 @@ using glm::vec4;
 #else
 #define SHARED
 #define INOUT(type) inout type
+#define PRECISE precise
 #define SHARED_BEGIN
 #define SHARED_END
 #endif

@@ -15,8 +15,8 @@ SHARED uint pack_halves(float a, float b) {
   const int rebias = 0x1000 - (112 << 23);
   const uint low_magnitude = uint(max(int(low & 0x7fffffffu) + rebias, 0));
   const uint high_magnitude = uint(max(int(high & 0x7fffffffu) + rebias, 0));
-  return (low_magnitude >> 13) | ((low >> 16) & 0x8000u) |
-         ((high_magnitude << 3) & 0x7fff0000u) | (high & 0x80000000u);
+  return (low_magnitude >> 13) | ((low >> 16) & 0x8000u) | ((high_magnitude << 3) & 0x7fff0000u) |
+         (high & 0x80000000u);
 }
 
 // The values of the low and the high half: what pack_halves() writes, no infinities. Below 2^-14 a

@@ -6,7 +6,8 @@ SHARED_BEGIN
 
 // Column and row (row 0 at the top) that a point in front of the camera projects to.
 SHARED vec2 project_to_pixel(vec3 q, vec2 image_center, float focal_pixels) {
-  return image_center + vec2(q.x, -q.y) * (focal_pixels / -q.z);
+  PRECISE vec2 pixel = image_center + vec2(q.x, -q.y) * (focal_pixels / -q.z);
+  return pixel;
 }
 
 // Whether q is in front of the camera and `pixel`, its projection, on the screen.
@@ -17,7 +18,8 @@ SHARED bool on_screen(vec3 q, vec2 pixel, vec2 image_center) {
 
 // Point k of `steps` along s: t = reach (k + xi)/S, uniform in length.
 SHARED vec3 march_point(vec3 p, vec3 s, float reach, int k, float xi, int steps) {
-  return p + s * (reach * (float(k) + xi) / float(steps));
+  PRECISE vec3 q = p + s * (reach * (float(k) + xi) / float(steps));
+  return q;
 }
 
 // Whether `surface`, the first one seen through the pixel of sample q (w: 0 where there is none),

@@ -9,9 +9,9 @@ SHARED float sign_or_one(float x) { return x < 0.0f ? -1.0f : 1.0f; }
 
 // (u, v) in [0, 1]^2 of the direction d, of any length but 0.
 SHARED vec2 octahedral_uv(vec3 d) {
-  const float scale = 1.0f / (abs(d.x) + abs(d.y) + abs(d.z));
-  const float x = d.x * scale;
-  const float z = d.z * scale;
+  PRECISE float scale = 1.0f / (abs(d.x) + abs(d.y) + abs(d.z));
+  PRECISE float x = d.x * scale;
+  PRECISE float z = d.z * scale;
   // The lower half is folded outwards over the upper one's edges.
   const float u = d.y < 0.0f ? (1.0f - abs(z)) * sign_or_one(x) : x;
   const float v = d.y < 0.0f ? (1.0f - abs(x)) * sign_or_one(z) : z;

@@ -1,39 +1,15 @@
-// What the harness itself costs: the filter's pass as a shader, and the cell store.
+// What the harness itself costs: the cell store.
 #include <benchmark/benchmark.h>
 
 #include <optional>
 
 #include "harness/cells.h"
 #include "harness/store.h"
-#include "renderers/gl/timer.h"
 #include "tests/bench/gallery.h"
 #include "tests/unit/tiny_scenes.h"
 
 namespace occlab::bench {
 namespace {
-
-/// One pass of a method's frame, as occlab times it: wall clock around glFinish.
-void time_pass_of(benchmark::State& state, const std::string& name, std::string_view pass) {
-  Frame& frame = gallery().frame();
-  const auto method = find_method(name).make();
-  const ParameterSet parameters(find_method(name).parameters);
-  method->render(frame, parameters);  // compiles
-  double seconds = 0.0;
-  frame.clock = [&](std::string_view running, const std::function<void()>& run) {
-    const PassTime time = time_pass(Clock::wall, run);
-    if (running == pass) seconds = 1e-3 * time.wall_ms;
-  };
-  for (auto _ : state) {
-    method->render(frame, parameters);
-    state.SetIterationTime(seconds);
-  }
-  frame.clock = [](std::string_view, const std::function<void()>& run) { run(); };
-}
-
-void BM_filter_pass_ssao(benchmark::State& state) { time_pass_of(state, "ssao", "filter"); }
-void BM_filter_pass_s3ho(benchmark::State& state) { time_pass_of(state, "s3ho", "filter"); }
-BENCHMARK(BM_filter_pass_ssao)->Unit(benchmark::kMillisecond)->UseManualTime();
-BENCHMARK(BM_filter_pass_s3ho)->Unit(benchmark::kMillisecond)->UseManualTime();
 
 /// A cell of the study: S3HO with all its layers at 1280x720.
 struct StoredExample {

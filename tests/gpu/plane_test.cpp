@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <set>
 
@@ -179,7 +180,9 @@ TEST(OpenPlane, BackgroundIsZeroInEveryLayer) {
         }
         // Nothing is off the screen there, so that share is rightly 0.
         if (layer.name == "off_screen") continue;
-        EXPECT_NE(layer.image.at(16, 18), 0.0f) << layer.name;
+        const auto below = layer.image.pixel(16, 18);
+        EXPECT_TRUE(std::ranges::any_of(below, [](float value) { return value != 0.0f; }))
+            << layer.name;
       }
       EXPECT_EQ(frame.surface().mask.at(16, 2), 0.0f);
       // Bright all the same at the horizon: the filter leaves the background out.

@@ -105,7 +105,7 @@ TEST(SampleSet, SixteenTurnsAndShiftsAreStratified) {
 
 TEST(SampleSet, RingsAreOfOneHeightAndEvenInAzimuth) {
   const std::vector<std::pair<int, std::size_t>> heights = {
-      {1, 1}, {8, 8}, {15, 15}, {16, 8}, {17, 9}, {31, 16}, {32, 8}, {35, 9}, {64, 16}, {256, 64}};
+      {1, 1}, {8, 8}, {15, 15}, {16, 8}, {17, 9}, {31, 16}, {32, 8}, {33, 33}, {256, 256}};
   for (const auto& [n, rings] : heights) {
     const SampleSet set = make_sample_set(n, 3);
     EXPECT_EQ(sample_rings(n).size(), rings) << n;
@@ -122,6 +122,34 @@ TEST(SampleSet, RingsAreOfOneHeightAndEvenInAzimuth) {
       }
     }
     EXPECT_EQ(next, n);
+  }
+}
+
+TEST(SampleSet, NoTurnRepeatsAnother) {
+  // Over all sets, N = 8, 16 and 32 directions of rings have 16 N azimuths, evenly spaced.
+  for (const int n : {8, 16, 17, 32}) {
+    const SampleSet set = make_sample_set(n, 5);
+    const SampleRing ring = sample_rings(n).front();
+    std::vector<double> azimuths;
+    for (const glm::vec4& turn : set.sets) {
+      for (int k = 0; k < ring.count; ++k) {
+        const glm::dvec4 s(set.directions[std::size_t(ring.first + k)]);
+        const glm::dvec4 t(turn);
+        azimuths.push_back(turn_of(t.y * s.x + t.x * s.y, t.x * s.x - t.y * s.y));
+      }
+    }
+    std::ranges::sort(azimuths);
+    const bool whole = n % ring.count == 0;
+    for (std::size_t i = 1; whole && i < azimuths.size(); ++i) {
+      EXPECT_NEAR(azimuths[i] - azimuths[i - 1], 1.0 / double(azimuths.size()), 1e-6) << n;
+    }
+    // The direction that is left over goes all the way round.
+    std::vector<double> turns;
+    for (const glm::vec4& turn : set.sets) {
+      turns.push_back(turn_of(double(turn.y), double(turn.x)));
+    }
+    std::ranges::sort(turns);
+    EXPECT_NEAR(turns.back() - turns.front(), 15.0 / 16.0 / (whole ? ring.count : 1), 0.07) << n;
   }
 }
 
