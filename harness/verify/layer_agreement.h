@@ -45,8 +45,8 @@ LayerAgreement gpu_and_cpu(const Frame& frame, const MethodInfo& method,
 
 /// How far the two may be apart in each layer of evaluate_on_cpu(), per pixel:
 ///   - a stored value c, for each of the passes (occlusion, filter) that wrote it:
-///     Representation::storage_error |c|, and for what is stored as halves 2^-14, below which
-///     a device may flush them to 0; 2^-17 (|c| + the mean |c| of the image) for the roundings of
+///     Representation::storage_error |c|, and for what is stored as halves 2^-14, what is smaller
+///     becomes 0; 2^-17 (|c| + the mean |c| of the image) for the roundings of
 ///     the pass's floats. The filter, whose weights are positive and add up to 1, hands on the
 ///     bounds of what it reads;
 ///   - radiance L: (rho/pi) sum_i |E(c +- b_i e_i) - E(c)| with b the bounds of the stored values,

@@ -50,10 +50,10 @@ class RingTerms {
       : ring_(ring), glsl_(glsl), projection_(projection) {
     const auto count = float(set.directions.size());
     for (int k = 0; k < ring.count; ++k) {
-      const glm::vec3 s(set.directions[std::size_t(ring.first + k)]);
+      const int j = ring.first + k;
+      const glm::vec3 s(set.directions[std::size_t(j)]);
       const Sh4 products = sh_scale(sh_basis(s), s.z * 2.0f * pi / count);
       weights_.push_back(values_of(products));
-      const int j = ring.first + k;
       glsl_ += fmt::format("  float v{} = float((visible[{}] >> {}u) & 1u);\n", j, j / 32, j % 32);
     }
   }

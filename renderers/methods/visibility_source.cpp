@@ -101,7 +101,7 @@ void for_each_group(const GBufferImages& surface, const SampleSet& samples, Turn
   constexpr int block_size = 16;
   const int columns = (surface.mask.width() + block_size - 1) / block_size;
   const int rows = (surface.mask.height() + block_size - 1) / block_size;
-  parallel_for(std::size_t(columns * rows), [&](std::size_t block) {
+  parallel_for(std::size_t(columns) * std::size_t(rows), [&](std::size_t block) {
     throw_if_interrupted();
     const auto own_body = body;
     const glm::ivec2 corner = block_size * glm::ivec2(int(block) % columns, int(block) / columns);
