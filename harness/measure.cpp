@@ -287,7 +287,8 @@ class Measurer {
   static void fill(Measurement& row, const Estimate& estimate) {
     row.value = estimate.value;
     row.reason = estimate.reason;
-    if (estimate.interval && std::isfinite(estimate.interval->low) &&
+    // A row without a value has no interval; the reason says why there is none.
+    if (estimate.value && estimate.interval && std::isfinite(estimate.interval->low) &&
         std::isfinite(estimate.interval->high)) {
       row.lower = estimate.interval->low;
       row.upper = estimate.interval->high;
