@@ -78,8 +78,7 @@ function pareto(points: Points): HTMLElement | null {
     const label = (pair: Point) => (short ? pair.label.replace(/^.* /, "") : pair.label);
     return draw(points, pairs, `${short ? `Numbers: ${labelled[0]}. ` : ""}Line: the Pareto front, what no other point is both faster and better than. Whiskers: 95% interval over the seeds, quartiles of the times. Clock: ${fact(points.data, "timing", "clock")}.`,
       width, {
-        // A function: given a format, the scale leaves out labels of what is no power of ten.
-        x: { type: "log", label: `${chosen.pass} time (ms)`, ticks: 6, tickFormat: (time: number) => String(Number(time.toPrecision(3))) },
+        x: { type: "log", label: `${chosen.pass} time (ms)`, ticks: 6, tickFormat: "~g" },
         y: { label: `${chosen.error}${unit(points.data, chosen.error!)}, ${lower ? "lower" : "higher"} is better`, nice: true },
         marks: [
           Plot.line(front(pairs, lower), { x: "time", y: "value", stroke: "currentColor", strokeDasharray: "4 3", curve: "step-after" }),
