@@ -4,9 +4,12 @@
 
 namespace occlab::report {
 
-// The page as tools/ built it (cmake/report_page.cmake) and the linker put it into the program.
+// The pages as they were bundled (harness/report/web) and the linker put them into the program: the
+// report of a run and the history of a project, which share a style sheet.
 extern const std::string_view page_html;
 extern const std::string_view page_script;
 extern const std::string_view page_style;
+extern const std::string_view history_html;
+extern const std::string_view history_script;
 
 }  // namespace occlab::report

@@ -6,10 +6,10 @@
 #include <algorithm>
 
 #include "harness/files.h"
-#include "harness/report/assets.h"
 #include "harness/report/configuration.h"
 #include "harness/report/data.h"
 #include "harness/report/figure_files.h"
+#include "harness/report/page.h"
 #include "harness/version.h"
 #include "renderers/scene/error.h"
 
@@ -19,36 +19,12 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::string_view data_marker = "/*occlab-data*/";
-
 std::size_t folder_bytes(const fs::path& folder) {
   std::size_t bytes = 0;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
     if (entry.is_regular_file()) bytes += entry.file_size();
   }
   return bytes;
-}
-
-/// JSON that may stand inside a <script>: no '<' can end it or begin a comment.
-std::string inline_json(const json& data) {
-  const std::string text = data.dump(-1, ' ', true, json::error_handler_t::replace);
-  std::string safe;
-  safe.reserve(text.size());
-  for (const char c : text) {
-    if (c == '<') {
-      safe += "\\u003c";
-    } else {
-      safe += c;
-    }
-  }
-  return safe;
-}
-
-std::string page_with(const json& data) {
-  std::string page(page_html);
-  const std::size_t marker = page.find(data_marker);
-  page.replace(marker, data_marker.size(), inline_json(data));
-  return page;
 }
 
 bool is_report(const fs::path& folder) {
@@ -193,7 +169,7 @@ WrittenReport write_report(const ReportOptions& options) {
     const json data = make_data(options, temporary, verdict, report);
     write_text_atomically(temporary / "app.js", page_script);
     write_text_atomically(temporary / "style.css", page_style);
-    write_text_atomically(temporary / "index.html", page_with(data));
+    write_text_atomically(temporary / "index.html", report_page(data));
     report.bytes = folder_bytes(temporary);
     publish(temporary, target);
   } catch (...) {

@@ -1,9 +1,9 @@
-// Bundles src/main.ts and the style sheet into dist/, beside which index.html is copied.
+// Bundles the two pages' scripts and their style sheet into dist/, beside which the pages are copied.
 import {copyFileSync} from "node:fs";
 import {build} from "esbuild";
 
 await build({
-  entryPoints: {app: "src/main.ts", style: "style.css"},
+  entryPoints: {app: "src/main.ts", history: "src/history/main.ts", style: "style.css"},
   outdir: "dist",
   bundle: true,
   minify: true,
@@ -13,4 +13,4 @@ await build({
   charset: "ascii",
   logLevel: "warning",
 });
-copyFileSync("index.html", "dist/index.html");
+for (const page of ["index.html", "history.html"]) copyFileSync(page, `dist/${page}`);
