@@ -174,7 +174,7 @@ Environment load_environment(const ProbeSettings& settings) {
 
   Environment environment;
   environment.name = path.stem().string();
-  environment.texels = read_rgb(path);
+  environment.texels = read_rgb(path, Limit::probe_pixels);
   environment.clamped_negative_texels = check_texels(path, environment.texels);
   const float exposure = std::exp2(settings.exposure_stops);
   for (float& value : environment.texels.values()) {

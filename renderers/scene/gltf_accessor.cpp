@@ -20,7 +20,7 @@ enum ComponentType : std::uint64_t {
 };
 
 /// An accessor without a buffer view reads no bytes that would bound its size.
-constexpr std::uint64_t max_virtual_elements = 1u << 26;
+constexpr std::uint64_t max_virtual_elements = 1u << 22;
 
 std::size_t component_size(const JsonValue& place, std::uint64_t type) {
   switch (type) {
@@ -105,7 +105,7 @@ Elements locate(const GltfFile& file, const JsonValue& place, std::uint64_t coun
   return {bytes.data() + offset, stride, count};
 }
 
-std::uint64_t element_count(const JsonValue& place) {
+std::uint64_t count_of(const JsonValue& place) {
   const std::uint64_t count = place.at("count").unsigned_integer();
   if (count == 0 || count > std::numeric_limits<std::uint32_t>::max()) {
     place.fail(fmt::format("count {}; accepted: 1 to {}", count,
@@ -157,9 +157,13 @@ std::span<const std::byte> GltfFile::view_bytes(std::size_t buffer_view) const {
   return buffer.subspan(offset, length);
 }
 
+std::uint64_t GltfFile::element_count(std::size_t accessor) const {
+  return count_of(list("accessors")[accessor]);
+}
+
 std::vector<float> GltfFile::read_floats(std::size_t accessor, int components) const {
   const JsonValue& place = list("accessors")[accessor];
-  const std::uint64_t count = element_count(place);
+  const std::uint64_t count = count_of(place);
   const std::size_t width = component_count(place);
   if (width != std::size_t(components)) {
     place.fail(fmt::format("has {} components an element; {} are needed", width, components));
@@ -195,7 +199,7 @@ std::vector<float> GltfFile::read_floats(std::size_t accessor, int components) c
     values.resize(count * width);
   }
   if (sparse) {
-    const std::uint64_t sparse_count = element_count(*sparse);
+    const std::uint64_t sparse_count = count_of(*sparse);
     const JsonValue index_place = sparse->at("indices");
     const std::uint64_t index_type = index_place.at("componentType").unsigned_integer();
     const std::vector<std::uint32_t> indices = load_indices(
@@ -214,7 +218,7 @@ std::vector<float> GltfFile::read_floats(std::size_t accessor, int components) c
 
 std::vector<std::uint32_t> GltfFile::read_indices(std::size_t accessor) const {
   const JsonValue& place = list("accessors")[accessor];
-  const std::uint64_t count = element_count(place);
+  const std::uint64_t count = count_of(place);
   if (component_count(place) != 1) place.fail("indices must be of type SCALAR");
   if (place.find("sparse")) place.fail("sparse indices are not accepted");
   const std::uint64_t type = place.at("componentType").unsigned_integer();

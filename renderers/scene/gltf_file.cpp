@@ -6,8 +6,12 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <limits>
 
+#include "renderers/scene/confined_path.h"
 #include "renderers/scene/error.h"
+#include "renderers/scene/limited_json.h"
+#include "renderers/scene/limits.h"
 
 namespace occlab {
 namespace fs = std::filesystem;
@@ -43,14 +47,38 @@ std::vector<std::string> JsonValue::keys() const {
   return keys;
 }
 
-std::string JsonValue::text() const {
+const std::string& JsonValue::raw_text() const {
   if (!value_->is_string()) wrong_type("a text");
-  return value_->get<std::string>();
+  return value_->get_ref<const std::string&>();
+}
+
+// Names end up in messages, on terminals and in reports: what would move a cursor or end a line
+// there is no part of them. The parser has made sure of UTF-8.
+std::string JsonValue::text() const {
+  const std::string& text = raw_text();
+  require_within(Limit::name_bytes, text.size(), "bytes of text", where());
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    // U+0080 to U+009F are C2 80 to C2 9F.
+    const bool second_half = byte == 0xc2 && static_cast<unsigned char>(text[i + 1]) < 0xa0;
+    if (byte < 0x20 || byte == 0x7f || second_half) {
+      fail(fmt::format("the text has a control character at byte {}; accepted: printable text", i));
+    }
+  }
+  return text;
 }
 
 double JsonValue::number() const {
   if (!value_->is_number() || !std::isfinite(value_->get<double>())) wrong_type("a number");
   return value_->get<double>();
+}
+
+float JsonValue::real() const {
+  const double value = number();
+  if (!(std::abs(value) <= double(std::numeric_limits<float>::max()))) {
+    fail(fmt::format("found {:g}; accepted: a number within the range of float", value));
+  }
+  return float(value);
 }
 
 bool JsonValue::boolean() const {
@@ -89,6 +117,11 @@ std::vector<double> JsonValue::numbers(std::size_t count) const {
 double JsonValue::number_or(const char* key, double fallback) const {
   const auto member = find(key);
   return member ? member->number() : fallback;
+}
+
+float JsonValue::real_or(const char* key, float fallback) const {
+  const auto member = find(key);
+  return member ? member->real() : fallback;
 }
 
 std::uint64_t JsonValue::unsigned_or(const char* key, std::uint64_t fallback) const {
@@ -135,14 +168,21 @@ void JsonValue::wrong_type(std::string_view accepted) const {
 
 namespace {
 
-std::vector<std::byte> read_file(const fs::path& path) {
+/// `bytes_read` is what was read before, and then also this.
+std::vector<std::byte> read_file(const fs::path& path, std::uint64_t& bytes_read) {
+  std::error_code error;
+  // Before it is opened: opening a pipe waits for somebody to write into it.
+  if (!fs::is_regular_file(path, error)) {
+    throw InputError(fmt::format("{}: cannot be read: {}", path.string(),
+                                 fs::is_directory(path, error) ? "it is a folder"
+                                 : fs::exists(path, error)     ? "it is no regular file"
+                                                               : "no such file"));
+  }
   std::ifstream stream(path, std::ios::binary | std::ios::ate);
   const std::streamoff size = stream ? std::streamoff(stream.tellg()) : -1;
-  // A directory opens but has no sensible size.
-  if (size < 0 || !fs::is_regular_file(path)) {
-    throw InputError(fmt::format("{}: cannot be read: {}", path.string(),
-                                 fs::is_directory(path) ? "it is a folder" : "no such file"));
-  }
+  if (size < 0) throw InputError(fmt::format("{}: cannot be read", path.string()));
+  bytes_read = saturating_add(bytes_read, std::uint64_t(size));
+  require_within(Limit::file_bytes, bytes_read, "bytes", path.string());
   std::vector<std::byte> bytes(static_cast<std::size_t>(size));
   stream.seekg(0);
   stream.read(reinterpret_cast<char*>(bytes.data()), size);
@@ -206,7 +246,7 @@ std::string decode_percent(const JsonValue& uri, std::string_view text) {
 
 }  // namespace
 
-GltfFile::GltfFile(const fs::path& path) : path_(path), file_bytes_(read_file(path)) {
+GltfFile::GltfFile(const fs::path& path) : path_(path), file_bytes_(read_file(path, bytes_read_)) {
   read_container();
   const auto asset = root().at("asset");
   const std::string version = asset.at("version").text();
@@ -253,12 +293,8 @@ void GltfFile::read_container() {
       offset += size;
     }
   }
-  try {
-    const char* begin = reinterpret_cast<const char*>(text.data());
-    json_ = json::parse(begin, begin + text.size());
-  } catch (const json::exception& error) {
-    fail(error.what());
-  }
+  json_ = parse_limited_json({reinterpret_cast<const char*>(text.data()), text.size()},
+                             path_.string() + ": not a valid glTF file");
   if (!json_.is_object()) fail("the JSON is not an object");
 }
 
@@ -284,19 +320,24 @@ void GltfFile::load_buffers() {
 }
 
 std::vector<std::byte> GltfFile::read_uri(const JsonValue& uri) const {
-  const std::string text = uri.text();
+  const std::string& text = uri.raw_text();
   if (text.starts_with("data:")) {
+    bytes_read_ = saturating_add(bytes_read_, text.size());
+    require_within(Limit::file_bytes, bytes_read_, "bytes", uri.where());
     const std::size_t comma = text.find(',');
     if (comma == std::string::npos || !std::string_view(text).substr(0, comma).ends_with(";base64"))
       uri.fail("accepted: a base64 data URI or a relative path");
     return decode_base64(uri, std::string_view(text).substr(comma + 1));
   }
-  const fs::path relative = decode_percent(uri, text);
-  if (relative.is_absolute() || text.find("://") != std::string::npos) {
+  const std::string name = decode_percent(uri, uri.text());
+  const fs::path relative = name;
+  if (relative.is_absolute() || text.find("://") != std::string::npos ||
+      name.find('\0') != std::string::npos) {
     uri.fail(fmt::format("found '{}'; accepted: a base64 data URI or a relative path", text));
   }
+  const fs::path file = confined_path(path_.parent_path(), relative, uri.where());
   try {
-    return read_file(path_.parent_path() / relative);
+    return read_file(file, bytes_read_);
   } catch (const InputError& error) {
     uri.fail(error.what());
   }

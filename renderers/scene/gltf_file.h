@@ -34,8 +34,12 @@ class JsonValue {
   /// Throws InputError for a key of this object that is not accepted.
   void require_keys(const std::vector<std::string>& accepted) const;
 
+  /// Printable text of at most Limit::name_bytes.
   std::string text() const;
+  /// Any text, of any length.
+  const std::string& raw_text() const;
   double number() const;  ///< finite
+  float real() const;     ///< a number within the range of float
   bool boolean() const;
   std::uint64_t unsigned_integer() const;
   /// An index below `count` of the things called `what`.
@@ -44,6 +48,7 @@ class JsonValue {
   std::vector<double> numbers(std::size_t count) const;
 
   double number_or(const char* key, double fallback) const;
+  float real_or(const char* key, float fallback) const;
   std::uint64_t unsigned_or(const char* key, std::uint64_t fallback) const;
   std::string text_or(const char* key, const std::string& fallback) const;
   /// The array called `key`, as values; none if it is absent.
@@ -84,14 +89,18 @@ class GltfFile {
   std::vector<std::uint32_t> read_indices(std::size_t accessor) const;
   /// The bytes of a buffer view.
   std::span<const std::byte> view_bytes(std::size_t buffer_view) const;
-  /// The bytes that a URI stands for: a data URI or a file beside this one.
+  /// The bytes that a URI stands for: a data URI, or a file in this one's folder or below it
+  /// (confined_path.h). All that are read count towards Limit::file_bytes.
   std::vector<std::byte> read_uri(const JsonValue& uri) const;
+  /// The number of an accessor's elements, as it says itself: at least 1.
+  std::uint64_t element_count(std::size_t accessor) const;
 
  private:
   void read_container();
   void load_buffers();
 
   std::filesystem::path path_;
+  mutable std::uint64_t bytes_read_ = 0;  // of this file and those it names
   nlohmann::json json_;
   std::vector<std::byte> file_bytes_;
   std::span<const std::byte> binary_chunk_;

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <glm/gtc/quaternion.hpp>
 #include <limits>
 #include <numbers>
 #include <set>
 
 #include "renderers/scene/error.h"
 #include "renderers/scene/gltf_parts.h"
+#include "renderers/scene/limits.h"
 #include "renderers/scene/parallel.h"
 
 namespace occlab {
@@ -21,37 +21,6 @@ namespace {
 const std::vector<std::string> accepted_extensions = {
     "KHR_lights_punctual", "KHR_materials_ior", "KHR_materials_specular", "KHR_mesh_quantization",
     "KHR_texture_transform"};
-
-glm::dmat4 local_transform(const JsonValue& node) {
-  if (const auto matrix = node.find("matrix")) {
-    const std::vector<double> m = matrix->numbers(16);
-    glm::dmat4 result;
-    for (int i = 0; i < 16; ++i) result[i / 4][i % 4] = m[std::size_t(i)];
-    if (result[0][3] != 0.0 || result[1][3] != 0.0 || result[2][3] != 0.0 || result[3][3] != 1.0) {
-      matrix->fail("the last row must be 0, 0, 0, 1");
-    }
-    return result;
-  }
-  std::vector<double> translation{0.0, 0.0, 0.0};
-  std::vector<double> rotation{0.0, 0.0, 0.0, 1.0};
-  std::vector<double> scale{1.0, 1.0, 1.0};
-  if (const auto found = node.find("translation")) translation = found->numbers(3);
-  if (const auto found = node.find("scale")) scale = found->numbers(3);
-  if (const auto found = node.find("rotation")) {
-    rotation = found->numbers(4);
-    const double norm =
-        std::hypot(std::hypot(rotation[0], rotation[1]), std::hypot(rotation[2], rotation[3]));
-    if (!(std::abs(norm - 1.0) < 1e-2)) {
-      found->fail(fmt::format("found a quaternion of length {:g}; accepted: a unit one", norm));
-    }
-  }
-  const glm::dquat q =
-      glm::normalize(glm::dquat(rotation[3], rotation[0], rotation[1], rotation[2]));
-  glm::dmat4 result = glm::mat4_cast(q);
-  for (int i = 0; i < 3; ++i) result[i] *= scale[std::size_t(i)];
-  result[3] = glm::dvec4(translation[0], translation[1], translation[2], 1.0);
-  return result;
-}
 
 std::string node_name(const JsonValue& node, const std::string& fallback) {
   const std::string name = node.text_or("name", "");
@@ -131,6 +100,7 @@ class SceneLoader {
       pending.pop_back();
       const JsonValue& node = nodes[visit.node];
       const glm::dmat4 world = visit.world_from_parent * local_transform(node);
+      require_float_range(node, world);
       add_node(node, visit.node, world);
       push(node.array("children"), world);
     }
@@ -147,7 +117,8 @@ class SceneLoader {
     const auto extensions = node.find("extensions");
     if (!extensions) return;
     if (const auto punctual = extensions->find("KHR_lights_punctual")) {
-      const auto list = lights();
+      if (!lights_) lights_ = lights();
+      const std::vector<JsonValue>& list = *lights_;
       add_light(node_name(node, fmt::format("light {}", index)),
                 list[punctual->at("light").index(list.size(), "lights")], world);
     }
@@ -162,14 +133,21 @@ class SceneLoader {
           fmt::format("node '{}': its skin is not used; it keeps its bind pose",
                       node_name(node, "without name")));
     }
-    const double determinant = glm::determinant(glm::dmat3(world));
-    if (!(std::abs(determinant) > 0.0) || !std::isfinite(determinant)) {
-      node.fail(fmt::format("the transform of this mesh has determinant {}; it must be invertible",
-                            determinant));
+    if (!is_invertible(glm::mat3(world))) {
+      node.fail(
+          fmt::format("the transform of this mesh has determinant {}; it must be invertible in "
+                      "floats",
+                      glm::determinant(glm::dmat3(world))));
     }
-    for (const int mesh : meshes_of(gltf_mesh)) {
+    const std::vector<int>& meshes = meshes_of(gltf_mesh);
+    require_within(Limit::instances, scene_.instances.size() + meshes.size(),
+                   "instances, with those before", node.where());
+    for (const int mesh : meshes) {
+      triangles_ = saturating_add(triangles_, scene_.meshes[std::size_t(mesh)].indices.size() / 3);
       scene_.instances.push_back({mesh, glm::mat4(world)});
     }
+    require_within(Limit::triangles, triangles_, "triangles in instances, with those before",
+                   node.where());
   }
 
   /// Indices into Scene::meshes of a glTF mesh's primitives; read at first use, shared afterwards.
@@ -181,7 +159,8 @@ class SceneLoader {
       const auto primitives = json.array("primitives");
       if (primitives.empty()) json.fail("has no primitives");
       for (const JsonValue& primitive : primitives) {
-        if (auto mesh = load_primitive(file_, primitive, name, materials_, scene_.warnings)) {
+        if (auto mesh =
+                load_primitive(file_, primitive, name, materials_, geometry_, scene_.warnings)) {
           entry->second.push_back(int(scene_.meshes.size()));
           scene_.meshes.push_back(std::move(*mesh));
         }
@@ -191,6 +170,7 @@ class SceneLoader {
   }
 
   void add_camera(const JsonValue& node, const JsonValue& json, const glm::dmat4& world) {
+    require_within(Limit::cameras, scene_.cameras.size() + 1, "cameras", node.where());
     Camera camera;
     camera.name =
         node_name(node, json.text_or("name", fmt::format("camera {}", scene_.cameras.size())));
@@ -205,7 +185,8 @@ class SceneLoader {
     const JsonValue lens = json.at("perspective");
     const auto positive = [&](const char* key, double fallback, double limit) {
       const double value = lens.number_or(key, fallback);
-      if (!(value > 0.0 && value < limit)) {
+      // A tiny number may be 0 as a float.
+      if (!(float(value) > 0.0f && value < limit)) {
         lens.at(key).fail(fmt::format("found {:g}; accepted: above 0, below {:g}", value, limit));
       }
       return float(value);
@@ -221,21 +202,8 @@ class SceneLoader {
     if (camera.zfar != 0.0f && camera.zfar <= camera.znear) {
       lens.fail(fmt::format("zfar {:g} is not beyond znear {:g}", camera.zfar, camera.znear));
     }
-    camera.world_from_camera = glm::mat4(rigid(node, world));
+    camera.world_from_camera = glm::mat4(camera_transform(node, world));
     scene_.cameras.push_back(std::move(camera));
-  }
-
-  /// A camera has a place and an orientation; a scale inherited from its parents means nothing.
-  static glm::dmat4 rigid(const JsonValue& node, const glm::dmat4& world) {
-    const glm::dvec3 back = world[2];
-    const glm::dvec3 right = world[0];
-    const glm::dvec3 up = world[1];
-    if (!(glm::dot(glm::cross(right, up), back) > 0.0)) {
-      node.fail("the camera's transform is singular or mirrored");
-    }
-    const glm::dvec3 z = glm::normalize(back);
-    const glm::dvec3 x = glm::normalize(right - glm::dot(right, z) * z);
-    return {glm::dvec4(x, 0.0), glm::dvec4(glm::cross(z, x), 0.0), glm::dvec4(z, 0.0), world[3]};
   }
 
   std::vector<JsonValue> lights() const {
@@ -245,6 +213,7 @@ class SceneLoader {
   }
 
   void add_light(const std::string& name, const JsonValue& json, const glm::dmat4& world) {
+    require_within(Limit::lights, scene_.lights.size() + 1, "lights", json.where());
     Light light;
     light.name = name;
     const std::string type = json.at("type").text();
@@ -260,10 +229,13 @@ class SceneLoader {
     std::vector<double> color{1.0, 1.0, 1.0};
     if (const auto found = json.find("color")) color = found->numbers(3);
     const double intensity = json.number_or("intensity", 1.0);
-    light.intensity = glm::vec3(intensity * glm::dvec3(color[0], color[1], color[2]));
     if (std::ranges::any_of(color, [](double c) { return c < 0.0; }) || intensity < 0.0) {
       json.fail("a negative intensity or colour; accepted: at least 0");
     }
+    if (intensity * std::ranges::max(color) > double(std::numeric_limits<float>::max())) {
+      json.fail("its intensity times its colour is beyond the range of float");
+    }
+    light.intensity = glm::vec3(intensity * glm::dvec3(color[0], color[1], color[2]));
     if (json.find("range")) {
       scene_.warnings.push_back(
           fmt::format("light '{}': its range is not used; it falls off as 1/d^2", name));
@@ -273,7 +245,7 @@ class SceneLoader {
       const double inner = spot.number_or("innerConeAngle", 0.0);
       const double outer = spot.number_or("outerConeAngle", std::numbers::pi / 4.0);
       // A float's half pi may lie above the double's.
-      if (!(inner >= 0.0 && inner <= outer && outer > 0.0 &&
+      if (!(inner >= 0.0 && inner <= outer && float(outer) > 0.0f &&
             outer <= std::numbers::pi / 2.0 + 1e-6)) {
         spot.fail(
             fmt::format("innerConeAngle {:g}, outerConeAngle {:g}; accepted: 0 <= inner <= "
@@ -316,8 +288,8 @@ class SceneLoader {
     world->require_keys({"probe", "rotation_degrees", "strength"});
     SceneEnvironment environment;
     environment.probe = world->at("probe").text();
-    environment.rotation_degrees = float(world->number_or("rotation_degrees", 0.0));
-    environment.strength = float(world->number_or("strength", 1.0));
+    environment.rotation_degrees = world->real_or("rotation_degrees", 0.0f);
+    environment.strength = world->real_or("strength", 1.0f);
     if (environment.probe.empty()) world->at("probe").fail("is empty; accepted: a name or a path");
     if (environment.strength < 0.0f) {
       world->at("strength").fail("is negative; accepted: at least 0");
@@ -379,6 +351,9 @@ class SceneLoader {
   GltfFile file_;
   Scene scene_;
   MaterialTable materials_;
+  GeometryTotals geometry_;
+  std::uint64_t triangles_ = 0;  // instances counted
+  std::optional<std::vector<JsonValue>> lights_;
   std::map<std::size_t, std::vector<int>> loaded_meshes_;
 };
 

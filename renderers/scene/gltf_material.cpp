@@ -8,6 +8,8 @@
 #include <cstring>
 
 #include "renderers/scene/gltf_parts.h"
+#include "renderers/scene/image_size.h"
+#include "renderers/scene/limits.h"
 
 namespace occlab {
 namespace {
@@ -28,7 +30,9 @@ std::string image_format(const JsonValue& place, std::span<const std::byte> byte
 }
 
 /// A base colour texture as linear RGB. glTF 2.0 section 3.9.2: colour textures are sRGB.
-Image decode_color_texture(const JsonValue& place, std::span<const std::byte> bytes) {
+/// `textures_bytes` is what the textures before it take in memory, and then also this one.
+Image decode_color_texture(const JsonValue& place, std::span<const std::byte> bytes,
+                           std::uint64_t& textures_bytes) {
   OIIO::Filesystem::IOMemReader reader(const_cast<std::byte*>(bytes.data()), bytes.size());
   OIIO::Filesystem::IOProxy* proxy = &reader;
   OIIO::ImageSpec config;
@@ -44,6 +48,10 @@ Image decode_color_texture(const JsonValue& place, std::span<const std::byte> by
   };
   if (!input->open(format, opened, config)) fail();
   const OIIO::ImageSpec& spec = input->spec();
+  require_image_size(spec, bytes.size(), Limit::texture_pixels, place.where());
+  textures_bytes = saturating_add(textures_bytes, spec.image_pixels() * 3 * sizeof(float));
+  require_within(Limit::texture_bytes, textures_bytes, "bytes of textures in memory",
+                 place.where());
   const int channels = spec.nchannels;
   std::vector<float> values(std::size_t(spec.width) * std::size_t(spec.height) *
                             std::size_t(channels));
@@ -169,11 +177,13 @@ int MaterialTable::texture(std::size_t gltf_texture, const std::string& material
   if (is_new) {
     const JsonValue& image = images[image_index];
     if (const auto uri = image.find("uri")) {
-      scene_->textures.push_back(decode_color_texture(image, file_->read_uri(*uri)));
+      scene_->textures.push_back(
+          decode_color_texture(image, file_->read_uri(*uri), textures_bytes_));
     } else {
       const std::size_t view =
           image.at("bufferView").index(file_->list("bufferViews").size(), "bufferViews");
-      scene_->textures.push_back(decode_color_texture(image, file_->view_bytes(view)));
+      scene_->textures.push_back(
+          decode_color_texture(image, file_->view_bytes(view), textures_bytes_));
     }
   }
   return entry->second;

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "renderers/scene/gltf_parts.h"
+#include "renderers/scene/limits.h"
 
 namespace occlab {
 namespace {
@@ -49,7 +50,7 @@ void normalize_normals(const JsonValue& accessor, Mesh& mesh, std::vector<std::s
   std::size_t off = 0;
   for (std::size_t v = 0; v < mesh.normals.size(); ++v) {
     const float length = glm::length(mesh.normals[v]);
-    if (!(length > 1e-6f)) {
+    if (!(length > 1e-6f && std::isfinite(length))) {
       accessor.fail(
           fmt::format("the normal of vertex {} of mesh '{}' has length {}", v, mesh.name, length));
     }
@@ -108,11 +109,31 @@ void read_triangle_indices(const GltfFile& file, const JsonValue& primitive, Mes
   }
 }
 
+/// From what the accessors say of themselves: one of them may serve thousands of primitives.
+void count_geometry(const GltfFile& file, const JsonValue& primitive, GeometryTotals& totals) {
+  const auto count = [&](const JsonValue& accessor) {
+    return file.element_count(accessor.index(file.list("accessors").size(), "accessors"));
+  };
+  const JsonValue attributes = primitive.at("attributes");
+  const std::uint64_t positions = count(attributes.at("POSITION"));
+  const auto indices = primitive.find("indices");
+  const std::uint64_t corners = indices ? count(*indices) : positions;
+  // Flat normals need a vertex for each corner.
+  const std::uint64_t vertices =
+      attributes.find("NORMAL") ? positions : std::max(positions, corners);
+  totals.vertices = saturating_add(totals.vertices, vertices);
+  totals.triangles = saturating_add(totals.triangles, corners / 3);
+  require_within(Limit::vertices, totals.vertices, "vertices, with those before",
+                 primitive.where());
+  require_within(Limit::triangles, totals.triangles, "triangles, with those before",
+                 primitive.where());
+}
+
 }  // namespace
 
 std::optional<Mesh> load_primitive(const GltfFile& file, const JsonValue& primitive,
                                    const std::string& mesh_name, MaterialTable& materials,
-                                   std::vector<std::string>& warnings) {
+                                   GeometryTotals& totals, std::vector<std::string>& warnings) {
   constexpr std::uint64_t triangles = 4;
   const std::uint64_t mode = primitive.unsigned_or("mode", triangles);
   if (mode < triangles) {
@@ -127,6 +148,7 @@ std::optional<Mesh> load_primitive(const GltfFile& file, const JsonValue& primit
     extensions->fail("Draco compression is not accepted; export without it");
   }
 
+  count_geometry(file, primitive, totals);
   Mesh mesh;
   mesh.name = mesh_name;
   mesh.material = materials.material(primitive.find("material"));
@@ -144,6 +166,7 @@ std::optional<Mesh> load_primitive(const GltfFile& file, const JsonValue& primit
     require_finite(uv, mesh.uvs, "texture coordinates", mesh_name);
     if (source.transform != glm::mat3(1.0f)) {
       for (glm::vec2& value : mesh.uvs) value = source.transform * glm::vec3(value, 1.0f);
+      require_finite(uv, mesh.uvs, "transformed texture coordinates", mesh_name);
     }
   }
   if (const auto normal = attributes.find("NORMAL")) {

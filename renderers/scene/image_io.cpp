@@ -7,9 +7,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <functional>
 
 #include "renderers/scene/error.h"
+#include "renderers/scene/image_size.h"
 
 namespace occlab {
 namespace fs = std::filesystem;
@@ -68,18 +70,37 @@ void write_image(const fs::path& path, const OIIO::ImageSpec& spec, const void* 
   });
 }
 
-std::unique_ptr<OIIO::ImageInput> open_image(const fs::path& path) {
-  if (!fs::exists(path)) throw InputError(fmt::format("{}: no such file", path.string()));
-  auto input = OIIO::ImageInput::open(path.string());
-  if (!input)
-    throw InputError(fmt::format("{}: not a readable image: {}", path.string(), OIIO::geterror()));
-  const OIIO::ImageSpec& spec = input->spec();
-  if (spec.width <= 0 || spec.height <= 0 || spec.nchannels <= 0) {
-    throw InputError(
-        fmt::format("{}: the image is {}x{} with {} channels; at least 1x1 with one "
-                    "channel is needed",
-                    path.string(), spec.width, spec.height, spec.nchannels));
+/// By the first bytes of the file. OpenImageIO would go by its name and then try all its readers,
+/// of which we need three.
+std::string image_format(const fs::path& path) {
+  std::string start(11, '\0');
+  std::ifstream stream(path, std::ios::binary);
+  stream.read(start.data(), std::streamsize(start.size()));
+  if (start.starts_with("\x76\x2f\x31\x01")) return "openexr";
+  if (start.starts_with("#?RADIANCE") || start.starts_with("#?RGBE")) return "hdr";
+  if (start.starts_with("\x89PNG\r\n\x1a\n")) return "png";
+  throw InputError(
+      fmt::format("{}: not a readable image: accepted are OpenEXR, Radiance HDR and "
+                  "PNG",
+                  path.string()));
+}
+
+std::unique_ptr<OIIO::ImageInput> open_image(const fs::path& path, Limit most_pixels) {
+  std::error_code error;
+  if (!fs::exists(path, error)) throw InputError(fmt::format("{}: no such file", path.string()));
+  if (!fs::is_regular_file(path, error)) {
+    throw InputError(fmt::format("{}: not a readable image: no regular file", path.string()));
   }
+  auto input = OIIO::ImageInput::create(image_format(path));
+  OIIO::ImageSpec opened;
+  if (!input) {
+    throw DeviceError(fmt::format("{}: OpenImageIO has no reader for this format: {}",
+                                  path.string(), OIIO::geterror()));
+  }
+  if (!input->open(path.string(), opened)) {
+    throw InputError(fmt::format("{}: not a readable image: {}", path.string(), input->geterror()));
+  }
+  require_image_size(input->spec(), fs::file_size(path), most_pixels, path.string());
   return input;
 }
 
@@ -150,7 +171,7 @@ void write_exr(const fs::path& path, const Layers& layers, const Metadata& metad
 }
 
 ExrFile read_exr(const fs::path& path) {
-  const auto input = open_image(path);
+  const auto input = open_image(path, Limit::image_pixels);
   const OIIO::ImageSpec& spec = input->spec();
   const Image interleaved = read_all_channels(path, *input);
 
@@ -193,8 +214,8 @@ ExrFile read_exr(const fs::path& path) {
   return file;
 }
 
-Image read_rgb(const fs::path& path) {
-  const auto input = open_image(path);
+Image read_rgb(const fs::path& path, Limit most_pixels) {
+  const auto input = open_image(path, most_pixels);
   const Image all = read_all_channels(path, *input);
   if (all.channels() == 2) {
     throw InputError(

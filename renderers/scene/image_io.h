@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "renderers/scene/image.h"
+#include "renderers/scene/limits.h"
 
 namespace occlab {
 
@@ -47,9 +48,10 @@ struct ExrFile {
 /// "" (R, G, B first). Throws InputError naming the file and the reason.
 ExrFile read_exr(const std::filesystem::path& path);
 
-/// Reads the first three channels of any format OpenImageIO knows, as linear RGB; a one-channel
-/// image is repeated. Sizes of zero and unreadable files throw InputError; values are not judged.
-Image read_rgb(const std::filesystem::path& path);
+/// Reads the first three channels of an OpenEXR, Radiance HDR or PNG file, as linear RGB; a
+/// one-channel image is repeated. Sizes of zero, sizes beyond `most_pixels` and the other limits of
+/// images, and unreadable files throw InputError; values are not judged.
+Image read_rgb(const std::filesystem::path& path, Limit most_pixels = Limit::image_pixels);
 
 /// Writes `image` (display-referred sRGB in [0, 1], 1 or 3 channels) as an 8-bit PNG, atomically.
 void write_png(const std::filesystem::path& path, const Image& image);

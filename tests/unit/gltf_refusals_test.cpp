@@ -129,7 +129,8 @@ TEST_F(GltfRefusals, RefusesEveryIndexOutOfRange) {
   refused("/accessors/0/byteOffset", 4, "accessors[0]: 3 elements");
   refused("/accessors/0/byteOffset", 0xfffffffffffffffcu, "accessors[0]: 3 elements");
   refused("/accessors/0/count", 4, "accessors[0]: 4 elements");
-  refused("/accessors/0/count", 4000000000u, "accessors[0]: 4000000000 elements");
+  refused("/accessors/0/count", 40000000, "accessors[0]: 40000000 elements");
+  refused("/accessors/0/count", 4000000000u, "4000000000 vertices");
   refused("/accessors/0/count", 0, "count 0");
   refused("/accessors/1/count", 2, "2 elements for 3 vertices");
   refused("/accessors/2/count", 2, "no whole number of triangles");
