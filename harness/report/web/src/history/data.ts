@@ -56,18 +56,10 @@ export async function readValues(history: History): Promise<Values> {
   return { runs, value: all[0], lower: all[1], upper: all[2] };
 }
 
-/** "method samples 32": parameters that tell series of one method apart. */
-export function parametersText(parameters: Record<string, string>): string {
-  return Object.entries(parameters).map(([name, value]) => `${name} ${value}`).join(", ");
-}
-
 export const shortCommit = (commit: string): string => (commit ? commit.slice(0, 10) : "no commit");
-
-/** The first line of a series' name, and what else tells it apart. */
-export function seriesTitle(series: Series): string {
-  return `${series.method} ${series.metric}${series.stage ? `, ${series.stage}` : ""}`;
-}
-export function seriesPlace(series: Series): string {
-  const parameters = parametersText(series.parameters);
-  return [series.scene, series.view, series.resolution, series.probe, parameters].filter(Boolean).join(" \u00b7 ");
+export const dateOf = (run: Run): string => (run.commit_time || run.added).slice(0, 10);
+/** "a1b2c3..d4e5f6": what git log takes for the commits that may have caused a step. */
+export function commitRange(history: History, step: Step): string {
+  const [before, after] = [history.runs[step.before_run], history.runs[step.run]];
+  return `${shortCommit(before?.commit ?? "")}..${shortCommit(after?.commit ?? "")}`;
 }
