@@ -17,6 +17,7 @@
 #include "harness/reference_chain.h"
 #include "harness/results_folder.h"
 #include "harness/run_facts.h"
+#include "harness/shared_work.h"
 #include "harness/store.h"
 #include "harness/timing.h"
 #include "harness/version.h"
@@ -47,6 +48,12 @@ std::string label(const PlannedCell& cell) {
   return text;
 }
 
+std::string label(const BudgetCell& cell) {
+  std::string text = "error budget of";
+  for (const BudgetVariant& variant : cell.variants) text += " " + variant.name;
+  return text;
+}
+
 fs::path results_folder(const RunOptions& options) {
   if (options.fresh) remove_results(options.out);
   return options.out;
@@ -64,7 +71,8 @@ class Run {
                 .probe = experiment.probe},
                options.device),
         store_(results_folder(options)),
-        results_(options.out) {
+        results_(options.out),
+        shard_(options.shard) {
     for (PlannedCell& cell : plan(experiment, methods())) {
       CellKey key = cell_key(bench_, cell);
       cells_.push_back({std::move(cell), std::move(key)});
@@ -85,27 +93,59 @@ class Run {
                        clamped));
     }
     for (const std::string& warning : warnings_) fmt::print(stderr, "occlab: {}\n", warning);
+    work_.emplace(store_, work_items(),
+                  WorkOptions{.shard = options.shard, .cell_seconds = options.cell_seconds},
+                  [this](std::string warning) { warn_now(std::move(warning)); });
   }
 
   void finish() {
     try {
-      do_what_is_missing();
+      const std::size_t rendered = work_->make_missing();
+      if (shard_) {
+        work_->log().end("rendered");
+        fmt::print(stderr, "shard {} is done; the same command without --shard measures\n",
+                   to_string(*shard_));
+        return;
+      }
+      const Claims::Claim others_wait = work_->collect();
+      measure_what_is_missing(rendered);
+      work_->log().end("finished");
     } catch (const Interrupted&) {
-      const auto finished = std::ranges::count_if(
-          cells_, [&](const PlannedKey& cell) { return store_.has(cell.key); });
-      throw Interrupted(
-          fmt::format("interrupted; {} of {} cells are finished and kept, the same command goes on "
-                      "from there",
-                      finished, cells_.size()));
+      const std::string message = fmt::format(
+          "interrupted; {} of {} cells are finished and kept, the same command goes on "
+          "from there",
+          work_->finished(), work_->planned());
+      work_->log().end("interrupted", message);
+      throw Interrupted(message);
+    } catch (const std::exception& error) {
+      work_->log().end("failed", error.what());
+      throw;
     }
   }
 
  private:
-  void do_what_is_missing() {
+  std::vector<WorkItem> work_items() {
+    const auto& [source, view, width, height] = experiment_.scene;
+    std::vector<WorkItem> items;
+    for (const PlannedKey& cell : cells_) {
+      items.push_back({.key = cell.key,
+                       .what = label(cell.planned),
+                       .cost = estimated_seconds(cell.planned, width, height),
+                       .make = [this, cell] { render(cell); }});
+    }
+    for (const PlannedBudget& budget : budgets_) {
+      items.push_back({.key = budget.key,
+                       .what = label(budget.cell),
+                       .cost = estimated_seconds(budget.cell, *experiment_.budget, width, height),
+                       .make = [this, &budget] { converge(budget); }});
+    }
+    return items;
+  }
+
+  void measure_what_is_missing(std::size_t rendered) {
     const json previous =
         results_.read_report([this](std::string warning) { warn_now(std::move(warning)); });
     const std::string reference_key = make_measuring_key();
-    std::size_t rendered = render_missing() + converge_missing();
     rendered += sample_reference(previous, reference_key);
     const std::string timing_key = timing_key_of(experiment_, bench_);
     const bool timed = previous.value("timing_key", "") == timing_key;
@@ -183,28 +223,8 @@ class Run {
     warn(std::move(warning));
   }
 
-  std::size_t render_missing() {
-    std::vector<const PlannedKey*> missing;
-    for (const PlannedKey& cell : cells_) {
-      if (store_.has(cell.key)) continue;
-      const std::string damage = store_.read(cell.key).warning;
-      if (!damage.empty()) warn_now(damage);
-      missing.push_back(&cell);
-    }
-    fmt::print(stderr, "{} cells, {} to render\n", cells_.size(), missing.size());
-    std::map<std::string, std::unique_ptr<OcclusionMethod>> instances;
-    Progress progress("rendering", missing.size());
-    for (std::size_t i = 0; i < missing.size(); ++i) {
-      throw_if_interrupted();
-      progress.update(i, label(missing[i]->planned));
-      render(*missing[i], instances);
-    }
-    return missing.size();
-  }
-
-  void render(const PlannedKey& cell,
-              std::map<std::string, std::unique_ptr<OcclusionMethod>>& instances) {
-    auto& method = instances[cell.planned.method];
+  void render(const PlannedKey& cell) {
+    auto& method = instances_[cell.planned.method];
     if (!method) method = find_method(cell.planned.method).make();
     Metadata facts;
     const bool traced = cell.planned.role == Role::reference;
@@ -255,18 +275,6 @@ class Run {
     return *certify(rows);
   }
 
-  std::size_t converge_missing() {
-    std::size_t missing = 0;
-    for (const PlannedBudget& budget : budgets_) {
-      if (store_.has(budget.key)) continue;
-      throw_if_interrupted();
-      fmt::print(stderr, "error budget: {} of {}, the longest part of it {:g} s\n", ++missing,
-                 budgets_.size(), experiment_.budget->budget_seconds);
-      converge(budget);
-    }
-    return missing;
-  }
-
   void converge(const PlannedBudget& budget) {
     Metadata facts;
     const Layers layers = clock_.in(tracing_work, [&] {
@@ -315,8 +323,7 @@ class Run {
     ReadCell read = clock_.in(storing_work, [&] { return store_.read(cell.key); });
     if (!read.cell) {
       if (!read.warning.empty()) warn_now(read.warning + "; rendered again");
-      std::map<std::string, std::unique_ptr<OcclusionMethod>> instances;
-      render(cell, instances);
+      render(cell);
       read = store_.read(cell.key);
       if (!read.cell) throw DeviceError(read.warning + ", twice in a row");
     }
@@ -375,7 +382,10 @@ class Run {
   std::vector<PlannedKey> cells_;  ///< the reference first, that of all its rays at last
   std::optional<ReferenceChain> chain_;
   std::vector<PlannedBudget> budgets_;
+  std::map<std::string, std::unique_ptr<OcclusionMethod>> instances_;  ///< by name, once used
   std::vector<std::string> warnings_;
+  std::optional<Shard> shard_;
+  std::optional<SharedWork> work_;
 };
 
 }  // namespace

@@ -8,6 +8,7 @@ namespace {
 struct RunVerbOptions {
   std::string config;
   std::string out;
+  std::optional<std::string> shard;
   std::vector<std::string> overrides;
   RunOptions run;
 };
@@ -25,10 +26,20 @@ void add_run_verb(CLI::App& app, Action& action) {
                    "KEY=VALUE, dotted, as in the file: run[0].seeds=2");
   verb->add_option("--device", options->run.device, "see 'occlab list devices'")
       ->capture_default_str();
-  verb->add_flag("--fresh", options->run.fresh, "drop what an earlier run left in the folder");
+  CLI::Option* fresh =
+      verb->add_flag("--fresh", options->run.fresh, "drop what an earlier run left in the folder");
+  verb->add_option("--shard", options->shard,
+                   "I/N: render the I-th of N parts of the missing cells (I from 1) and do not "
+                   "measure; when all parts are done the same command without it does")
+      ->excludes(fresh);
+  verb->add_option("--cell-time-limit", options->run.cell_seconds,
+                   "seconds after which a cell that is not finished ends the run, such as one "
+                   "whose shader hangs; default: none")
+      ->check(CLI::PositiveNumber);
   verb->callback([options, &action] {
     action = [options] {
       const Experiment experiment = load_experiment(options->config, options->overrides, methods());
+      if (options->shard) options->run.shard = parse_shard(*options->shard);
       options->run.out = options->out.empty() ? "results/" + experiment.name : options->out;
       run_experiment(experiment, options->run);
       return exit_good;

@@ -1,0 +1,73 @@
+#include "harness/claims.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cassert>
+#include <cerrno>
+#include <cstring>
+#include <thread>
+#include <utility>
+
+#include "renderers/scene/error.h"
+#include "renderers/scene/interrupt.h"
+
+namespace occlab {
+namespace {
+
+constexpr std::chrono::milliseconds between_looks(50);
+
+/// 0 or the reason. Locks of the open file rather than of the process: two stores in one process
+/// exclude each other too.
+int lock_byte(int descriptor, short kind, long long offset) {
+  struct flock lock {};
+  lock.l_type = kind;
+  lock.l_whence = SEEK_SET;
+  lock.l_start = offset;
+  lock.l_len = 1;
+  while (::fcntl(descriptor, F_OFD_SETLK, &lock) != 0) {
+    if (errno != EINTR) return errno;
+  }
+  return 0;
+}
+
+}  // namespace
+
+Claims::Claim::Claim(Claim&& other) noexcept
+    : descriptor_(std::exchange(other.descriptor_, -1)), offset_(other.offset_) {}
+
+Claims::Claim::~Claim() {
+  if (descriptor_ >= 0) lock_byte(descriptor_, F_UNLCK, offset_);
+}
+
+Claims::Claims(const std::filesystem::path& folder) {
+  const std::filesystem::path path = folder / "claims";
+  descriptor_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  if (descriptor_ < 0) {
+    throw DeviceError(fmt::format("{}: cannot be opened: {}", path.string(), std::strerror(errno)));
+  }
+}
+
+Claims::~Claims() { ::close(descriptor_); }
+
+std::optional<Claims::Claim> Claims::take(const std::string& hash) const {
+  assert(hash.size() >= 15);
+  const long long offset = std::stoll(hash.substr(0, 15), nullptr, 16);  // below 2^60
+  const int reason = lock_byte(descriptor_, F_WRLCK, offset);
+  if (reason == EAGAIN || reason == EACCES) return std::nullopt;
+  return Claim(reason == 0 ? descriptor_ : -1, offset);
+}
+
+std::optional<Claims::Claim> Claims::wait(const std::string& hash,
+                                          std::chrono::seconds patience) const {
+  const auto end = std::chrono::steady_clock::now() + patience;
+  for (;;) {
+    if (auto claim = take(hash)) return claim;
+    if (std::chrono::steady_clock::now() >= end) return std::nullopt;
+    throw_if_interrupted();
+    std::this_thread::sleep_for(between_looks);
+  }
+}
+
+}  // namespace occlab

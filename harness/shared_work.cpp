@@ -1,0 +1,121 @@
+#include "harness/shared_work.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "harness/progress.h"
+#include "renderers/scene/interrupt.h"
+
+namespace occlab {
+namespace {
+
+// A process that died has lost its claims; one on a machine that died may keep them for a while.
+// After that the work is done twice, which costs time and nothing else.
+constexpr std::chrono::seconds patience_for_a_cell(120);
+constexpr std::chrono::seconds patience_for_the_tables(3600);
+
+std::vector<PlannedWork> planned_work(const std::vector<WorkItem>& items) {
+  std::vector<PlannedWork> plan;
+  for (const WorkItem& item : items) plan.push_back({item.key.id(), item.what, item.cost});
+  return plan;
+}
+
+std::vector<const WorkItem*> share_of(const std::vector<WorkItem>& items,
+                                      const std::optional<Shard>& shard) {
+  const Shard wanted = shard.value_or(Shard{});
+  std::vector<double> costs;
+  for (const WorkItem& item : items) costs.push_back(item.cost);
+  const std::vector<std::size_t> shards = share_out(costs, wanted.count);
+  std::vector<const WorkItem*> share;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    if (shards[i] == wanted.index) share.push_back(&items[i]);
+  }
+  return share;
+}
+
+}  // namespace
+
+SharedWork::SharedWork(CellStore& store, std::vector<WorkItem> items, const WorkOptions& options,
+                       std::function<void(std::string)> warn)
+    : store_(store),
+      items_(std::move(items)),
+      options_(options),
+      share_(share_of(items_, options.shard)),
+      warn_(std::move(warn)),
+      claims_(store.folder()),
+      log_(store.folder(), planned_work(items_), options.shard),
+      watch_(options.cell_seconds,
+             [this](const std::string& message) { log_.end("failed", message); }) {}
+
+std::size_t SharedWork::make_missing() {
+  std::vector<const WorkItem*> missing;
+  for (const WorkItem* item : share_) {
+    if (store_.has(item->key)) continue;
+    const std::string damage = store_.read(item->key).warning;
+    if (!damage.empty()) warn_(damage);
+    missing.push_back(item);
+  }
+  const std::string of_all =
+      options_.shard
+          ? fmt::format("shard {} of {} cells: ", to_string(*options_.shard), items_.size())
+          : "";
+  fmt::print(stderr, "{}{} cells, {} to render\n", of_all, share_.size(), missing.size());
+
+  if (missing.empty()) return 0;
+  log_.begin();
+  const double planned = cost_of_share();
+  double done = planned;
+  for (const WorkItem* item : missing) done -= item->cost;
+  Progress progress("rendering", missing.size());
+  std::vector<const WorkItem*> elsewhere;
+  std::size_t at = 0;
+  for (const WorkItem* item : missing) {
+    throw_if_interrupted();
+    progress.update(at, item->what);
+    log_.update(done, planned, item->what);
+    if (const auto claim = claims_.take(item->key.hash())) {
+      make(*item);
+      done += item->cost;
+      ++at;
+    } else {
+      elsewhere.push_back(item);
+    }
+  }
+  for (const WorkItem* item : elsewhere) {
+    progress.update(at++, item->what + " (waiting for another process)");
+    const auto claim = claims_.wait(item->key.hash(), patience_for_a_cell);
+    make(*item);
+    done += item->cost;
+  }
+  log_.update(done, planned, "");
+  return missing.size();
+}
+
+void SharedWork::make(const WorkItem& item) {
+  if (store_.has(item.key)) return;  // another process has finished it meanwhile
+  watch_.during(fmt::format("cell {}, {}", item.key.id(), item.what), item.make);
+}
+
+std::size_t SharedWork::finished() const {
+  return std::size_t(
+      std::ranges::count_if(share_, [&](const WorkItem* item) { return store_.has(item->key); }));
+}
+
+Claims::Claim SharedWork::collect() {
+  const std::string hash = sha256_text("measurements and tables");
+  if (auto claim = claims_.take(hash)) return std::move(*claim);
+  fmt::print(stderr, "another process measures in {}; waiting for it\n", store_.folder().string());
+  if (auto claim = claims_.wait(hash, patience_for_the_tables)) return std::move(*claim);
+  warn_(fmt::format("another process has measured in {} for an hour; not waiting for it any longer",
+                    store_.folder().string()));
+  return Claims::nothing();
+}
+
+double SharedWork::cost_of_share() const {
+  return std::accumulate(share_.begin(), share_.end(), 0.0,
+                         [](double sum, const WorkItem* item) { return sum + item->cost; });
+}
+
+}  // namespace occlab
