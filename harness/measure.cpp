@@ -7,11 +7,13 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include "harness/cells.h"
 #include "harness/figures/figures.h"
 #include "harness/metrics/metrics.h"
 #include "harness/metrics/noise_bias.h"
+#include "harness/metrics/power_spectrum.h"
 
 namespace occlab {
 namespace {
@@ -82,6 +84,7 @@ struct GroupStage {
   std::map<ViewAndMetric, std::string> units;
   std::map<ViewAndMetric, std::string> reasons;  ///< why a seed has no value
   std::optional<NoiseBias> noise_bias;
+  std::optional<NoiseSpectrum> spectrum;
 };
 
 struct Group {
@@ -96,6 +99,19 @@ bool comparable(const ParameterSet& a, const ParameterSet& b) {
     return parameter.name == "seed" || !b.has(parameter.name) ||
            a.value(parameter.name) == b.value(parameter.name);
   });
+}
+
+/// Forgets what no other group is compared with.
+void keep_compared(Group& group) {
+  const auto others = [](const auto& entry) {
+    return std::ranges::find(compared_metrics, entry.first.second) == compared_metrics.end();
+  };
+  for (auto& [name, stage] : group.stages) {
+    std::erase_if(stage.values, others);
+    std::erase_if(stage.units, others);
+    std::erase_if(stage.reasons, others);
+    stage.spectrum.reset();
+  }
 }
 
 class Measurer {
@@ -180,7 +196,7 @@ class Measurer {
     }
   }
 
-  std::vector<Measurement> take() { return std::move(rows_); }
+  std::vector<Measurement> take() { return std::exchange(rows_, {}); }
 
  private:
   Measurement new_row(const PlannedCell& planned, const std::string& stage,
@@ -258,7 +274,7 @@ class Measurer {
   }
 
   void add_noise(const Group& group, const std::string& stage, const NoiseBias& noise_bias) {
-    const auto add = [&](const char* name, const char* unit, const Estimate& estimate) {
+    const auto add = [&](const std::string& name, const char* unit, const Estimate& estimate) {
       Measurement row = new_row(*group.planned, stage, {identity_.view, name}, unit);
       row.cells = group.cells;
       row.n = noise_bias.runs;
@@ -269,6 +285,12 @@ class Measurer {
     add("bias", "mean luminance", noise_bias.bias);
     add("bias_squared", "mean luminance^2", noise_bias.bias_squared);
     add("mse", "mean luminance^2", noise_bias.mse);
+    const GroupStage& sums = group.stages.at(stage);
+    if (!sums.spectrum) return;
+    for (const NoiseSpectrum::Bin& bin : sums.spectrum->bins) {
+      add(fmt::format("noise_spectrum.{}", bin.frequency), "mean luminance^2 per (cycle/pixel)^2",
+          bin.power);
+    }
   }
 
   void add_estimate(const Group& a, const Group& b, const std::string& stage,
@@ -328,11 +350,10 @@ std::vector<StageImage> stage_images(const Layers& layers) {
   return images;
 }
 
-std::vector<Measurement> measure_cells(const std::vector<MeasuredCell>& cells,
-                                       const std::vector<Region>& regions,
-                                       const Measurement& identity, const ReadLayers& read,
-                                       const std::function<void(std::size_t)>& progress) {
-  if (cells.empty() || cells.front().planned.role != Role::reference) return {};
+void measure_cells(const std::vector<MeasuredCell>& cells, const std::vector<Region>& regions,
+                   const Measurement& identity, const ReadLayers& read,
+                   const std::function<void(std::size_t)>& progress, const RowSink& sink) {
+  if (cells.empty() || cells.front().planned.role != Role::reference) return;
   progress(0);
   const std::vector<ReferenceImages> references =
       reference_images(read(cells.front()), identity.view, regions);
@@ -363,23 +384,23 @@ std::vector<Measurement> measure_cells(const std::vector<MeasuredCell>& cells,
     const ReferenceImages& whole = references.front();
     for (const auto& [stage, statistics] : runs) {
       if (statistics.runs() < 2) continue;
-      group.stages[stage].noise_bias =
+      const NoiseBias& noise_bias = group.stages[stage].noise_bias.emplace(
           noise_and_bias(statistics, whole.radiance,
-                         whole.variance.empty() ? nullptr : &whole.variance, confidence);
+                         whole.variance.empty() ? nullptr : &whole.variance, confidence));
+      group.stages[stage].spectrum =
+          noise_spectrum(statistics, noise_bias.mean_luminance, confidence);
     }
-    groups.push_back(std::move(group));
-  }
-
-  for (const Group& group : groups) measurer.add_means(group);
-  for (std::size_t a = 0; a < groups.size(); ++a) {
-    for (std::size_t b = 0; b < a; ++b) {
-      if (groups[a].planned->method != groups[b].planned->method &&
-          comparable(groups[a].planned->parameters, groups[b].planned->parameters)) {
-        measurer.add_comparisons(groups[a], groups[b]);
+    measurer.add_means(group);
+    for (const Group& earlier : groups) {
+      if (group.planned->method != earlier.planned->method &&
+          comparable(group.planned->parameters, earlier.planned->parameters)) {
+        measurer.add_comparisons(group, earlier);
       }
     }
+    keep_compared(group);
+    groups.push_back(std::move(group));
+    sink(measurer.take());
   }
-  return measurer.take();
 }
 
 }  // namespace occlab

@@ -49,6 +49,10 @@ bool is_over_seeds(const Measurement& measurement) {
   return std::ranges::find(metrics, measurement.metric) != metrics.end();
 }
 
+bool is_spectrum(const Measurement& measurement) {
+  return measurement.metric.starts_with("noise_spectrum.");
+}
+
 std::optional<ComparedMetric> compared_metric(const std::string& metric) {
   for (const auto& [middle, ratio] : {std::pair<std::string_view, bool>{"_ratio.", true},
                                       std::pair<std::string_view, bool>{"_difference.", false}}) {
@@ -73,7 +77,7 @@ bool is_of_reference(const Measurement& measurement) {
 
 bool is_accuracy(const Measurement& measurement) {
   return !is_time(measurement) && !is_exponent(measurement) && !is_over_seeds(measurement) &&
-         !is_budget(measurement) && !is_of_reference(measurement) &&
+         !is_spectrum(measurement) && !is_budget(measurement) && !is_of_reference(measurement) &&
          !compared_metric(measurement.metric);
 }
 

@@ -30,6 +30,9 @@ bool is_exponent(const Measurement& measurement);
 /// noise, bias, bias_squared, mse: what only several seeds together can tell.
 bool is_over_seeds(const Measurement& measurement);
 
+/// `noise_spectrum.FREQUENCY`: the power of the noise at a frequency (power_spectrum.h).
+bool is_spectrum(const Measurement& measurement);
+
 /// A metric that compares two methods: "noise_ratio.ssdo/s3ho" is noise of ssdo / noise of s3ho,
 /// "bias_squared_difference.ssdo/s3ho" bias_squared of ssdo - bias_squared of s3ho.
 struct ComparedMetric {
@@ -47,8 +50,8 @@ bool is_budget(const Measurement& measurement);
 /// `reference_...`: how well the reference is known (certification.h).
 bool is_of_reference(const Measurement& measurement);
 
-/// A metric of one image against the reference: neither a time, nor over seeds, nor comparing, nor
-/// a part of the error.
+/// A metric of one image against the reference: neither a time, nor over seeds, nor a
+/// spectrum's, nor comparing, nor a part of the error.
 bool is_accuracy(const Measurement& measurement);
 
 /// Two rows that stand for two methods under the same conditions: all is equal, parameters that

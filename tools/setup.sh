@@ -44,6 +44,7 @@ need_packages_to_run() {
   need_packages "configuration, command line, JSON, text, checksums" \
     libtomlplusplus-dev libcli11-dev nlohmann-json3-dev libfmt-dev libssl-dev
   need_packages "compressed images in the report" zlib1g-dev
+  need_packages "power spectra" libkissfft-dev
   need_packages "the history of runs" libsqlite3-dev
   need_node
   need_packages "labels in figures" libfreetype-dev fonts-dejavu-core
