@@ -43,16 +43,21 @@ export function plotFrame(id: string, heading: string, choices: Choices,
   const caption = h("figcaption", {});
   let drawn: Drawn | null = null;
   const redraw = () => {
-    const width = Math.min(Math.max(place.clientWidth, 300), 1600);
+    const width = Math.min(Math.max(place.clientWidth, 300), 1600); // of a place not laid out: 300
     drawn = draw(chosen, width);
     place.replaceChildren(...(drawn ? [legendOf(drawn), drawn.chart] : [h("p", { class: "note" }, "Nothing was measured for this choice.")]));
     caption.textContent = drawn?.caption ?? "";
   };
+  // A plot is drawn when it is laid out, which may be later than its buttons are reached.
+  const save = (end: string, type: string, write: (shown: Drawn) => string) => {
+    if (!drawn) redraw();
+    if (drawn) download(`${id}.${end}`, type, write(drawn));
+  };
   const tools = h("div", { class: "tools" },
     ...Object.entries(choices).filter(([, options]) => options.length > 1).map(([name, options]) =>
       choice(name, options, chosen[name]!, (value) => { chosen[name] = value; redraw(); })),
-    button("SVG", () => drawn && download(`${id}.svg`, "image/svg+xml", toSvg(heading, drawn)), { "data-file": "svg" }),
-    button("CSV", () => drawn && download(`${id}.csv`, "text/csv", toCsv(drawn.points)), { "data-file": "csv" }));
+    button("SVG", () => save("svg", "image/svg+xml", (shown) => toSvg(heading, shown)), { "data-file": "svg" }),
+    button("CSV", () => save("csv", "text/csv", (shown) => toCsv(shown.points)), { "data-file": "csv" }));
   const figure = h("figure", { class: "plot", id: `plot-${id}` }, h("h3", {}, heading), place, tools, caption);
   let width = 0;
   new ResizeObserver(() => {

@@ -44,6 +44,9 @@ function unit(data: Data, metric: string): string {
   return known?.unit ? ` (${known.unit})` : "";
 }
 
+/** Of a logarithmic axis: given a format's name instead, the scale labels powers of ten alone. */
+const plain = (value: number): string => String(Number(value.toPrecision(3)));
+
 const stages: [string, string][] = [["filtered", "after the filter"], ["unfiltered", "before the filter"]];
 
 function passes(points: Points, prefix: string): [string, string][] {
@@ -78,7 +81,7 @@ function pareto(points: Points): HTMLElement | null {
     const label = (pair: Point) => (short ? pair.label.replace(/^.* /, "") : pair.label);
     return draw(points, pairs, `${short ? `Numbers: ${labelled[0]}. ` : ""}Line: the Pareto front, what no other point is both faster and better than. Whiskers: 95% interval over the seeds, quartiles of the times. Clock: ${fact(points.data, "timing", "clock")}.`,
       width, {
-        x: { type: "log", label: `${chosen.pass} time (ms)`, ticks: 6, tickFormat: "~g" },
+        x: { type: "log", label: `${chosen.pass} time (ms)`, ticks: 6, tickFormat: plain },
         y: { label: `${chosen.error}${unit(points.data, chosen.error!)}, ${lower ? "lower" : "higher"} is better`, nice: true },
         marks: [
           Plot.line(front(pairs, lower), { x: "time", y: "value", stroke: "currentColor", strokeDasharray: "4 3", curve: "step-after" }),
@@ -201,7 +204,7 @@ function scaling(points: Points): HTMLElement | null {
     const data = points.curves(points.of(`time_ms.${chosen.pass}`), chosen.against!);
     return draw(points, data, `Medians with quartiles, both axes logarithmic: a straight line of slope 1 is in proportion. Clock: ${fact(points.data, "timing", "clock")}.`, width, {
       x: { type: "log", label: chosen.against === "resolution" ? "pixels" : chosen.against, ticks: axisTicks(data), tickFormat: "~s" },
-      y: { type: "log", label: `${chosen.pass} time (ms)`, tickFormat: "~g", ticks: 6 },
+      y: { type: "log", label: `${chosen.pass} time (ms)`, tickFormat: plain, ticks: 6 },
       marks: curveMarks(data),
     });
   });

@@ -65,7 +65,7 @@ function axes(history: History, view: View, frame: Frame, colours: Palette, text
     nodes.push(svg("line", { x1: frame.left, x2: frame.right, y1: y, y2: y, stroke: colours.line }),
       svg("text", { x: frame.left - 0.4 * text, y: y + 0.35 * text, "text-anchor": "end", fill: colours.ink }, short(tick)));
   }
-  const room = Math.max(1, Math.floor((frame.right - frame.left) / (7 * text)));
+  const room = Math.max(1, Math.floor((frame.right - frame.left) / (9 * text)));
   const count = Math.min(room, view.to - view.from + 1);
   for (let i = 0; i < count; ++i) {
     const run = Math.round(view.from + (count > 1 ? (i * (view.to - view.from)) / (count - 1) : 0));

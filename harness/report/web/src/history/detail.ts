@@ -150,21 +150,22 @@ export class Detail {
     const facts = this.runs[run];
     if (!facts) { this.readout.replaceChildren(); return; }
     const rows = [this.index, ...this.catalogue.siblings(this.index)].slice(0, 12).map((index) => this.valueRow(index, run));
-    const head = ["series", "value", "95% interval", "change", "in noise floors"].map((text, i) => h("th", { scope: "col", class: i > 0 ? "number" : undefined }, text));
+    const { unit } = scaleOf(this.catalogue.history.series[this.index]!, this.state.floors);
+    const head = ["series", unit ? `value (${unit})` : "value", "95% interval", "change", "in noise floors"].map((text, i) => h("th", { scope: "col", class: i > 0 ? "number" : undefined }, text));
     this.readout.replaceChildren(
       h("p", {}, h("code", {}, shortCommit(facts.commit)), " ", facts.subject, " ",
         h("span", { class: "note" }, `${(facts.commit_time || facts.added).slice(0, 16).replace("T", " ")}, ${facts.device}${facts.baseline ? ", baseline" : ""}`)),
-      h("table", {}, h("thead", {}, h("tr", {}, ...head)), h("tbody", {}, ...rows)));
+      h("div", { class: "scroll" }, h("table", {}, h("thead", {}, h("tr", {}, ...head)), h("tbody", {}, ...rows))));
   }
 
   private valueRow(index: number, run: number): HTMLElement {
-    const series = this.catalogue.history.series[index]!, { divisor, unit } = scaleOf(series, this.state!.floors), at = index * this.values.runs + run;
+    const series = this.catalogue.history.series[index]!, { divisor } = scaleOf(series, this.state!.floors), at = index * this.values.runs + run;
     const number = (value: number) => (Number.isNaN(value) ? "\u2013" : short(value));
     const value = this.values.value[at]!, lower = this.values.lower[at]!, upper = this.values.upper[at]!;
     const before = lastMeasured(this.values, index, run - 1);
     const change = before < 0 ? NaN : value / this.values.value[index * this.values.runs + before]! - 1;
     const cells = [
-      `${number(value / divisor)}${Number.isNaN(value) || !unit ? "" : ` ${unit}`}`,
+      number(value / divisor),
       Number.isNaN(lower) || Number.isNaN(upper) ? "\u2013" : `[${number(lower / divisor)}, ${number(upper / divisor)}]`,
       Number.isFinite(change) ? `${change > 0 ? "+" : ""}${short(100 * change, 3)}%` : "\u2013",
       series.noise_floor && series.noise_floor > 0 ? number(value / series.noise_floor) : "\u2013"];

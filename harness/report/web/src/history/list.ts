@@ -96,7 +96,7 @@ export class SeriesList {
       class: "series", role: "option", id: `series-${series.key}`, "aria-selected": String(index === this.selected),
       style: `top: ${place * this.height}px; height: ${this.height}px`, click: () => this.choose(index),
     }, h("div", { class: "name" }, h("strong", {}, this.catalogue.title(index)), h("small", {}, this.catalogue.place(index))),
-      h("canvas", {}), h("div", { class: "last" }, h("span", {}, last, h("span", { class: "unit" }, ` ${unit}`)), h("small", {}, ...marks)));
+      h("canvas", {}), h("div", { class: "last" }, h("span", {}, ...marks, " ", last), h("small", {}, unit)));
   }
 
   private paint(index: number, canvas: HTMLCanvasElement): void {
@@ -108,6 +108,9 @@ export class SeriesList {
     const runs = this.values.runs, columns = columnsOf(this.values, index, 0, runs - 1, Math.min(runs, Math.floor(width)));
     const range = extent(columns.low, columns.high), colours = palette(this.onPaper);
     if (!range) return;
+    // What is too small to be a step does not fill the height.
+    const [middle, least] = [(range[0] + range[1]) / 2, 2 * this.catalogue.history.minimum_effect * Math.max(Math.abs(range[0]), Math.abs(range[1]))];
+    if (range[1] - range[0] < 2 * least) range.splice(0, 2, middle - least, middle + least);
     const x = (column: number) => (columns.count > 1 ? (column / (columns.count - 1)) * (width - 4) + 2 : width / 2);
     const y = (value: number) => (range[1] > range[0] ? height - 4 - ((value - range[0]) / (range[1] - range[0])) * (height - 8) : height / 2);
     for (const step of this.catalogue.steps[index]!) {

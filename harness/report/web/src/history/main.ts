@@ -15,7 +15,7 @@ function header(history: History): HTMLElement {
   const facts: [string, string][] = [
     ["Runs", `${history.runs.length}, of ${new Set(history.runs.map(({ commit }) => commit)).size} commits`],
     ["Series", String(history.series.length)], ["Device", devices.join("; ")],
-    ["Steps", `where all steps of a run together would raise a false alarm with a probability of ${history.level}, and of at least ${100 * history.minimum_effect}%`],
+    ["Steps", `of at least ${100 * history.minimum_effect}%, found at a level of ${history.level}`],
     ["Written", history.written.slice(0, 16).replace("T", " ")],
   ];
   return h("header", {}, h("h1", {}, `${history.project || "Project"}: history`),
