@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "harness/files.h"
+#include "harness/toml_limits.h"
 #include "harness/toml_reader.h"
 #include "renderers/scene/error.h"
 
@@ -44,7 +45,9 @@ std::optional<std::vector<Step>> parse_key(std::string_view key) {
 
 /// A table `value = ...` whose node carries the override as its source.
 toml::table parse_value(std::string_view value, const std::string& origin) {
-  return toml::parse(fmt::format("value = {}", value), origin);
+  const std::string text = fmt::format("value = {}", value);
+  check_toml_text(text, origin);
+  return toml::parse(text, origin);
 }
 
 class Override {
@@ -117,7 +120,11 @@ class Override {
     if (text.empty() || text.find_first_of("\"'[]{}=,#\\\n\r") != std::string::npos) {
       fail(fmt::format("the value is not TOML: {}", reason));
     }
-    return parse_value(fmt::format("'{}'", text), origin_);
+    try {
+      return parse_value(fmt::format("'{}'", text), origin_);
+    } catch (const toml::parse_error& error) {
+      fail(fmt::format("the value is no text: {}", error.description()));
+    }
   }
 
   std::string origin_;
@@ -131,7 +138,9 @@ toml::table parse_toml(const std::filesystem::path& path,
                        const std::vector<std::string>& overrides) {
   toml::table root;
   try {
-    root = toml::parse(read_text(path), path.string());
+    const std::string text = read_text(path);
+    check_toml_text(text, path.string());
+    root = toml::parse(text, path.string());
   } catch (const toml::parse_error& error) {
     throw InputError(fmt::format("{}:{}: not TOML: {}", path.string(), error.source().begin.line,
                                  error.description()));

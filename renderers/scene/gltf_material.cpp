@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "renderers/scene/gltf_parts.h"
+#include "renderers/scene/image_headers.h"
 #include "renderers/scene/image_size.h"
 #include "renderers/scene/limits.h"
 
@@ -24,7 +25,7 @@ std::string image_format(const JsonValue& place, std::span<const std::byte> byte
     return bytes.size() >= magic.size() &&
            std::memcmp(bytes.data(), magic.data(), magic.size()) == 0;
   };
-  if (starts_with("\x89PNG")) return "png";
+  if (starts_with("\x89PNG\r\n\x1a\n")) return "png";
   if (starts_with("\xff\xd8\xff")) return "jpeg";
   place.fail("not a PNG or JPEG image; only these are accepted");
 }
@@ -39,6 +40,7 @@ Image decode_color_texture(const JsonValue& place, std::span<const std::byte> by
   config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
   config.attribute("oiio:UnassociatedAlpha", 1);  // alpha must not darken the colour
   const std::string format = image_format(place, bytes);
+  if (format == "png") check_png_chunks(bytes_in_memory(bytes), place.where());
   const auto input = OIIO::ImageInput::create(format);
   OIIO::ImageSpec opened;
   if (!input) place.fail(fmt::format("the image is unreadable: {}", OIIO::geterror()));

@@ -11,6 +11,7 @@
 #include <functional>
 
 #include "renderers/scene/error.h"
+#include "renderers/scene/image_headers.h"
 #include "renderers/scene/image_size.h"
 
 namespace occlab {
@@ -85,13 +86,27 @@ std::string image_format(const fs::path& path) {
                   path.string()));
 }
 
+/// What the libraries do not check themselves.
+void check_header(const fs::path& path, const std::string& format, Limit most_pixels) {
+  std::ifstream stream(path, std::ios::binary);
+  const ByteSource file{fs::file_size(path), [&](std::uint64_t offset, std::span<std::byte> bytes) {
+                          stream.seekg(std::streamoff(offset));
+                          return bool(stream.read(reinterpret_cast<char*>(bytes.data()),
+                                                  std::streamsize(bytes.size())));
+                        }};
+  if (format == "openexr") check_exr_header(file, most_pixels, path.string());
+  if (format == "png") check_png_chunks(file, path.string());
+}
+
 std::unique_ptr<OIIO::ImageInput> open_image(const fs::path& path, Limit most_pixels) {
   std::error_code error;
   if (!fs::exists(path, error)) throw InputError(fmt::format("{}: no such file", path.string()));
   if (!fs::is_regular_file(path, error)) {
     throw InputError(fmt::format("{}: not a readable image: no regular file", path.string()));
   }
-  auto input = OIIO::ImageInput::create(image_format(path));
+  const std::string format = image_format(path);
+  check_header(path, format, most_pixels);
+  auto input = OIIO::ImageInput::create(format);
   OIIO::ImageSpec opened;
   if (!input) {
     throw DeviceError(fmt::format("{}: OpenImageIO has no reader for this format: {}",
