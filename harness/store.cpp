@@ -15,6 +15,7 @@
 #include <ctime>
 
 #include "renderers/scene/error.h"
+#include "renderers/scene/limited_json.h"
 
 namespace occlab {
 namespace fs = std::filesystem;
@@ -112,7 +113,7 @@ Inspection inspect(const fs::path& folder, const CellKey& key) {
     if (!fs::exists(folder, error)) return {};
     throw;
   }
-  Json description = Json::parse(text, nullptr, false);
+  Json description = parse_limited_json_or_discard(text);
   if (description.is_discarded() || !description.is_object()) {
     return damaged("cell.json is not JSON");
   }

@@ -7,6 +7,7 @@
 
 #include "harness/files.h"
 #include "renderers/scene/error.h"
+#include "renderers/scene/limited_json.h"
 #include "renderers/scene/parallel.h"
 
 namespace occlab::report {
@@ -57,7 +58,7 @@ std::string read_description(Cell& cell, const fs::path& folder, const std::stri
   std::error_code error;
   if (!fs::exists(folder, error)) return "missing";
   if (!fs::is_regular_file(folder / "cell.json", error)) return "cell.json is missing";
-  const json description = json::parse(read_text(folder / "cell.json"), nullptr, false);
+  const json description = parse_limited_json_or_discard(read_text(folder / "cell.json"));
   if (!description.is_object()) return "cell.json is damaged: not JSON";
   if (description.value("format", json()) != json(cell_format)) {
     return fmt::format("cell.json has format {}, this occlab reads {}",

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "harness/files.h"
+#include "harness/toml_limits.h"
 #include "renderers/scene/data_root.h"
 #include "renderers/scene/environment.h"
 #include "renderers/scene/error.h"
@@ -19,8 +20,11 @@ using nlohmann::json;
 
 toml::table parse(const std::string& configuration) {
   try {
+    check_toml_text(configuration, "run.json: configuration");
     return toml::parse(configuration);
   } catch (const toml::parse_error&) {
+    return {};
+  } catch (const InputError&) {
     return {};
   }
 }

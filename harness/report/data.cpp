@@ -16,6 +16,7 @@
 #include "harness/table_formats.h"
 #include "renderers/methods/method.h"
 #include "renderers/scene/error.h"
+#include "renderers/scene/limited_json.h"
 
 namespace occlab::report {
 namespace fs = std::filesystem;
@@ -81,7 +82,7 @@ json read_run(const fs::path& results) {
                     "CONFIG --out DIR' makes one",
                     results.string()));
   }
-  json run = json::parse(read_text(path), nullptr, false);
+  json run = parse_limited_json_or_discard(read_text(path));
   if (!run.is_object() || !run.contains("schema")) {
     throw InputError(
         fmt::format("{}: key 'schema': missing; was it written by 'occlab run'?", path.string()));

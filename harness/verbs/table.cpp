@@ -5,8 +5,10 @@
 #include "harness/experiment_tables.h"
 #include "harness/files.h"
 #include "harness/table_formats.h"
+#include "harness/table_layout.h"
 #include "harness/verbs/verbs.h"
 #include "renderers/scene/error.h"
+#include "renderers/scene/limited_json.h"
 
 namespace occlab {
 namespace {
@@ -17,7 +19,7 @@ struct TableOptions {
 };
 
 TimingTableSettings read_timing_settings(const std::filesystem::path& path) {
-  const auto report = nlohmann::json::parse(read_text(path), nullptr, false);
+  const auto report = parse_limited_json_or_discard(read_text(path));
   if (!report.is_object() || !report.contains("timing_table")) {
     throw InputError(fmt::format(
         "{}: key 'timing_table': missing; was it written by 'occlab run' or 'occlab time'?",
@@ -41,7 +43,7 @@ void add_table_verb(CLI::App& app, Action& action) {
       const std::filesystem::path folder = options->results;
       const auto measurements = read_measurements(folder / "measurements.csv");
       const auto settings = read_timing_settings(folder / "run.json");
-      fmt::print("{}", format_tables(make_tables(measurements, settings), options->format));
+      print_tables(make_tables(measurements, settings), options->format);
       return exit_good;
     };
   });

@@ -7,6 +7,8 @@
 #include <array>
 #include <functional>
 
+#include "renderers/scene/confined_path.h"
+#include "renderers/scene/data_root.h"
 #include "renderers/scene/error.h"
 #include "renderers/shared/equirect.h"
 
@@ -124,7 +126,13 @@ Environment read_analytic_sky(const JsonValue& sky) {
   if (keys.front() == "linear") return linear_sky(value);
   if (keys.front() == "harmonics") return harmonic_sky(value);
   if (keys.front() == "halves") return two_halves(value);
-  if (keys.front() == "probe") return load_environment({.source = value.text()});
+  if (keys.front() == "probe") {
+    const std::string source = value.text();
+    return load_environment(
+        {.source = is_path(source)
+                       ? confined_path(value.file().parent_path(), source, value.where()).string()
+                       : source});
+  }
   const glm::vec3 radiance = colour(value);
   if (!(std::min({radiance.x, radiance.y, radiance.z}) >= 0.0f)) {
     value.fail("is negative; accepted: at least 0");

@@ -37,10 +37,11 @@ std::vector<fs::path> allowed_folders() {
 }  // namespace
 
 fs::path confined_path(const fs::path& folder, const fs::path& named, const std::string& where) {
-  const fs::path path = (fs::absolute(folder) / named).lexically_normal();
+  const fs::path base = folder.empty() ? fs::current_path() : fs::absolute(folder);
+  const fs::path path = (base / named).lexically_normal();
   try {
     const fs::path target = resolved(path);
-    if (is_below(target, resolved(folder))) return path;
+    if (is_below(target, resolved(base))) return path;
     for (const fs::path& allowed : allowed_folders()) {
       if (is_below(target, allowed)) return path;
     }
@@ -51,7 +52,7 @@ fs::path confined_path(const fs::path& folder, const fs::path& named, const std:
   throw InputError(fmt::format(
       "{}: '{}' lies outside the folder {} and is not read; accepted: a file in that folder or "
       "below it, or in a folder that the environment variable OCCLAB_ALLOW_OUTSIDE names",
-      where, named.string(), fs::absolute(folder).lexically_normal().string()));
+      where, named.string(), base.lexically_normal().string()));
 }
 
 }  // namespace occlab

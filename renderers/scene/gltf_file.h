@@ -54,6 +54,7 @@ class JsonValue {
   /// The array called `key`, as values; none if it is absent.
   std::vector<JsonValue> array(const char* key) const;
 
+  const std::filesystem::path& file() const { return *file_; }
   /// "FILE: PLACE", as messages begin.
   std::string where() const;
   /// Throws InputError "FILE: PLACE: message".

@@ -64,4 +64,12 @@ json parse_limited_json(std::string_view text, const std::string& where) {
   }
 }
 
+json parse_limited_json_or_discard(std::string_view text) {
+  try {
+    return parse_limited_json(text, "");
+  } catch (const InputError&) {
+    return json(json::value_t::discarded);
+  }
+}
+
 }  // namespace occlab

@@ -12,4 +12,7 @@ namespace occlab {
 /// `nesting` and `json_values`.
 nlohmann::json parse_limited_json(std::string_view text, const std::string& where);
 
+/// The same, with nlohmann's discarded value in place of errors.
+nlohmann::json parse_limited_json_or_discard(std::string_view text);
+
 }  // namespace occlab
