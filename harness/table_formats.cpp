@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "harness/csv.h"
+#include "harness/table_layout.h"
 #include "renderers/scene/error.h"
 
 namespace occlab {
@@ -100,59 +101,7 @@ std::string escape_markdown(std::string_view text) {
   return escaped;
 }
 
-/// Characters of a UTF-8 text: its width in a terminal, near enough.
-std::size_t width(std::string_view text) {
-  return std::size_t(std::ranges::count_if(text, [](char c) { return (c & 0xC0) != 0x80; }));
-}
-
-std::string markdown(const Table& table) {
-  const Spelling spelling{
-      escape_markdown,
-      [](const TableNumber& number) {
-        const RoundedNumber rounded = round_number(number);
-        const std::string value =
-            number.winner ? fmt::format("**{}**", rounded.value) : rounded.value;
-        return rounded.lower.empty()
-                   ? value
-                   : fmt::format("{} [{}, {}]", value, rounded.lower, rounded.upper);
-      },
-      [](std::size_t note) { return fmt::format("– ({})", note); }};
-  std::vector<std::string> footnotes;
-  std::vector<std::vector<std::string>> lines = spell_rows(table, spelling, footnotes);
-  lines.insert(lines.begin(), std::vector<std::string>{});
-  for (const TableColumn& column : table.columns) {
-    lines.front().push_back(escape_markdown(column_title(column)));
-  }
-
-  std::vector<std::size_t> widths(table.columns.size(), 3);
-  for (const auto& line : lines) {
-    for (std::size_t c = 0; c < line.size(); ++c) widths[c] = std::max(widths[c], width(line[c]));
-  }
-  std::string text = fmt::format("## {}\n\n", escape_markdown(table.title));
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    for (std::size_t c = 0; c < lines[i].size(); ++c) {
-      const std::string padding(widths[c] - width(lines[i][c]), ' ');
-      const bool right = table.columns[c].alignment == Alignment::right;
-      text += right ? fmt::format("| {}{} ", padding, lines[i][c])
-                    : fmt::format("| {}{} ", lines[i][c], padding);
-    }
-    text += "|\n";
-    if (i > 0) continue;
-    for (std::size_t c = 0; c < widths.size(); ++c) {
-      const bool right = table.columns[c].alignment == Alignment::right;
-      text += fmt::format("| {}{} ", std::string(widths[c] - 1, '-'), right ? ':' : '-');
-    }
-    text += "|\n";
-  }
-  if (!footnotes.empty() || !table.notes.empty()) text += '\n';
-  for (std::size_t i = 0; i < footnotes.size(); ++i) {
-    text += fmt::format("- ({}) {}\n", i + 1, escape_markdown(footnotes[i]));
-  }
-  for (const std::string& note : table.notes) {
-    text += fmt::format("- {}\n", escape_markdown(note));
-  }
-  return text;
-}
+std::string markdown(const Table& table) { return lay_out(spell_markdown(table)); }
 
 std::string latex(const Table& table) {
   const auto in_math = [](const std::string& number) {
@@ -300,6 +249,36 @@ const Format& find_format(const std::string& name) {
 }
 
 }  // namespace
+
+SpelledTable spell_markdown(const Table& table) {
+  const Spelling spelling{
+      escape_markdown,
+      [](const TableNumber& number) {
+        const RoundedNumber rounded = round_number(number);
+        const std::string value =
+            number.winner ? fmt::format("**{}**", rounded.value) : rounded.value;
+        return rounded.lower.empty()
+                   ? value
+                   : fmt::format("{} [{}, {}]", value, rounded.lower, rounded.upper);
+      },
+      [](std::size_t note) { return fmt::format("– ({})", note); }};
+  SpelledTable spelled;
+  spelled.title = escape_markdown(table.title);
+  std::vector<std::string> footnotes;
+  spelled.lines = spell_rows(table, spelling, footnotes);
+  std::vector<std::string> titles;
+  for (const TableColumn& column : table.columns) {
+    titles.push_back(escape_markdown(column_title(column)));
+    spelled.right.push_back(column.alignment == Alignment::right);
+  }
+  spelled.lines.insert(spelled.lines.begin(), std::move(titles));
+  spelled.keys = std::size_t(std::ranges::find(spelled.right, true) - spelled.right.begin());
+  for (std::size_t i = 0; i < footnotes.size(); ++i) {
+    spelled.notes.push_back(fmt::format("({}) {}", i + 1, escape_markdown(footnotes[i])));
+  }
+  for (const std::string& note : table.notes) spelled.notes.push_back(escape_markdown(note));
+  return spelled;
+}
 
 const std::vector<std::string>& table_formats() {
   static const std::vector<std::string> names = [] {

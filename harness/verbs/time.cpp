@@ -7,6 +7,7 @@
 #include "harness/experiment_tables.h"
 #include "harness/files.h"
 #include "harness/scaling_figures.h"
+#include "harness/table_layout.h"
 #include "harness/timing.h"
 #include "harness/verbs/verbs.h"
 #include "renderers/scene/error.h"
@@ -60,7 +61,7 @@ ExitCode time(const TimeOptions& options) {
     store(options.out, result.measurements, tables, report);
     write_scaling_figures(result.measurements, fs::path(options.out) / "figures");
   }
-  fmt::print("{}", format_tables(tables, options.json ? "json" : "md"));
+  print_tables(tables, options.json ? "json" : "md");
   return exit_good;
 }
 

@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "harness/table_formats.h"
+#include "harness/table_layout.h"
 #include "harness/verbs/verbs.h"
 #include "harness/verify/analytic_checks.h"
 #include "harness/verify/cycles_checks.h"
@@ -116,7 +117,7 @@ int verify(const VerifyOptions& options) {
     throw InputError(
         fmt::format("--cases {}: no case of what is to be verified", options.cases.string()));
   }
-  fmt::print("{}", format_table(table_of(checks), options.format));
+  print_table(table_of(checks), options.format);
   // A machine-readable table is all there is on standard output.
   const bool is_page = options.format == "md";
   const auto failed = std::ranges::count(checks, false, &Check::passes);
