@@ -4,12 +4,14 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <set>
 
 #include "harness/files.h"
 #include "harness/report/configuration.h"
 #include "harness/report/data.h"
 #include "harness/report/figure_files.h"
 #include "harness/report/page.h"
+#include "harness/report/planned.h"
 #include "harness/version.h"
 #include "renderers/scene/error.h"
 
@@ -41,7 +43,18 @@ json shown_facts(json run) {
   return run;
 }
 
-void judge_cells(const std::vector<Cell>& cells, const json& run, Verdict& verdict) {
+/// "12 of 40 cells are there", as far as the plan is known.
+std::string how_many(const std::vector<Cell>& cells, const fs::path& results) {
+  const std::set<std::string> planned = planned_cells(results);
+  const auto there = std::ranges::count_if(cells, [&](const Cell& cell) {
+    return cell.problem.empty() && (planned.empty() || planned.contains(cell.id));
+  });
+  if (planned.empty()) return fmt::format("{} finished cells are there", there);
+  return fmt::format("{} of {} cells are there", there, planned.size());
+}
+
+void judge_cells(const std::vector<Cell>& cells, const json& run, const fs::path& results,
+                 Verdict& verdict) {
   const auto bad =
       std::ranges::count_if(cells, [](const Cell& cell) { return !cell.problem.empty(); });
   if (bad > 0) {
@@ -49,10 +62,10 @@ void judge_cells(const std::vector<Cell>& cells, const json& run, Verdict& verdi
         fmt::format("{} of {} cells are missing or damaged: see Cells", bad, cells.size()));
   }
   if (run.is_null()) {
-    verdict.incomplete(fmt::format(
-        "run.json is missing: the run has not finished; {} finished cells are there. The same "
-        "'occlab run' goes on from there",
-        std::ranges::count(cells, "", &Cell::problem)));
+    verdict.incomplete(
+        fmt::format("run.json is missing: the run has not finished; {}. The same 'occlab run' goes "
+                    "on from there",
+                    how_many(cells, results)));
   }
 }
 
@@ -124,7 +137,7 @@ json make_data(const ReportOptions& options, const fs::path& folder, Verdict& ve
   const auto limit = std::size_t(options.megabytes * 1e6);
   const PackedImages images =
       pack_images(cells, groups, data["closeups"], frame, limit > rest ? limit - rest : 0, folder);
-  judge_cells(cells, run, verdict);  // what could not be read is known now
+  judge_cells(cells, run, options.results, verdict);  // what could not be read is known now
   data["frame"] = {{"width", frame.width},
                    {"height", frame.height},
                    {"meanLuminance", frame.mean_luminance},

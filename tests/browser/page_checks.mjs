@@ -6,39 +6,12 @@
 // the EXR files without any of occlab's code. Prints one JSON line {name, problem} for each check.
 import assert from "node:assert/strict";
 import {readFileSync} from "node:fs";
-import {createRequire} from "node:module";
 import {pathToFileURL} from "node:url";
+import {check, launch, openPage} from "./browser.mjs";
 
 const tasks = JSON.parse(readFileSync(process.argv[2], "utf8"));
-const {chromium} = createRequire(tasks.modules + "/")("playwright-core");
-const browser = await chromium.launch({
-  executablePath: tasks.chromium,
-  args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"],
-});
-
-async function check(name, body) {
-  let problem = "";
-  try {
-    await body();
-  } catch (error) {
-    problem = String(error.stack ?? error);
-  }
-  console.log(JSON.stringify({name, problem}));
-}
-
-/** A page that notes every error and every request that is not for a file. */
-async function open(index, hash = "", options = {}) {
-  const context = await browser.newContext({viewport: {width: 1280, height: 900}, offline: true, acceptDownloads: true, ...options});
-  context.setDefaultTimeout(40000);
-  const page = await context.newPage();
-  page.trouble = [];
-  page.on("console", (message) => ["error", "warning"].includes(message.type()) && page.trouble.push(message.text()));
-  page.on("pageerror", (error) => page.trouble.push(error.message));
-  page.on("request", (request) => /^(file|data|blob):/.test(request.url()) || page.trouble.push(`request: ${request.url()}`));
-  await page.goto(pathToFileURL(index).href + hash);
-  await page.waitForSelector("#cells");
-  return page;
-}
+const browser = await launch(tasks);
+const open = (index, hash = "", options = {}) => openPage(browser, index, hash, options, "#cells");
 
 async function drawn(page) {
   await page.waitForFunction(() => {
@@ -262,6 +235,31 @@ await check("plots are there as SVG and CSV", async () => {
   await page.context().close();
 });
 
+await check("a plot's files are there before it is laid out", async () => {
+  const context = await browser.newContext({offline: true, acceptDownloads: true});
+  const page = await context.newPage();
+  // Clicks as soon as the plot is in the page, which is before anything is measured for layout.
+  await page.addInitScript(() => new MutationObserver((_, self) => {
+    const csv = document.querySelector("#plot-pareto [data-file=csv]");
+    if (!csv) return;
+    self.disconnect();
+    window.drawnBefore = document.querySelectorAll("#plot-pareto .chart svg").length;
+    csv.click();
+  }).observe(document, {childList: true, subtree: true}));
+  const [file] = await Promise.all([page.waitForEvent("download", {timeout: 40000}), page.goto(pathToFileURL(smoke.index).href)]);
+  assert.ok(readFileSync(await file.path(), "utf8").startsWith("method,"));
+  assert.equal(await page.evaluate(() => window.drawnBefore), 0);
+  await context.close();
+});
+
+await check("axes are labelled, spectra are drawn", async () => {
+  const page = await open(smoke.index);
+  const ticks = await page.locator("#plot-pareto [aria-label='x-axis tick label'] text").allTextContents();
+  assert.ok(ticks.filter(Boolean).length >= 2, `labels: ${ticks}`);
+  assert.ok((await page.locator("#plot-spectra svg a").count()) > 100);
+  await page.context().close();
+});
+
 await check("a click draws the pixel's lobes", async () => {
   const {x, y, irradiance, angle} = smoke.lobe;
   const page = await open(smoke.index, `#pin=${x},${y}`);
@@ -302,6 +300,8 @@ await check("it fits three widths, bright, dark and on paper", async () => {
   for (const [width, height, colorScheme] of [[1280, 900, "light"], [1920, 1080, "dark"], [3840, 2160, "light"]]) {
     const page = await open(smoke.index, "#pin=70,50", {viewport: {width, height}, colorScheme});
     await drawn(page);
+    const paint = await page.evaluate(() => performance.getEntriesByType("paint").map(({startTime}) => startTime));
+    console.error(`${width} wide: first paint ${Math.round(Math.min(...paint))} ms`);
     for (const id of ["page", "viewer", "lobes", "plots", "tables", "figures", "cells"]) {
       await page.evaluate((section) => document.getElementById(section).scrollIntoView(), id);
       await page.waitForTimeout(150);

@@ -99,10 +99,25 @@ class Report(CliTest):
         folder = self.results(change)
         finished = self.good("report", folder)
         self.assertIn("the run has not finished", finished.stderr)
+        count = len(list((folder / "cells").iterdir()))
+        self.assertIn(f"{count} of {count} cells are there", finished.stderr)
         data = page_data(folder)
         self.assertFalse(data["complete"])
         self.assertEqual(data["tables"], [])
         self.assertGreater(len(data["layers"]), 10)
+
+    def test_a_half_finished_run_says_how_many_cells_it_planned(self):
+        def change(folder):
+            (folder / "run.json").unlink()
+            for cell in sorted((folder / "cells").iterdir())[:5]:
+                shutil.rmtree(cell)
+        folder = self.results(change)
+        there = len(list((folder / "cells").iterdir()))
+        self.assertIn(f"{there} of {there + 5} cells are there", self.good("report", folder).stderr)
+        self.assertTrue(any(f"{there} of {there + 5} cells are there" in problem
+                            for problem in page_data(folder)["problems"]))
+        shutil.rmtree(folder / "progress")
+        self.assertIn(f"{there} finished cells are there", self.good("report", folder).stderr)
 
     def test_measurements_of_another_run_are_called_so(self):
         def change(folder):

@@ -86,7 +86,7 @@ function marker(step: Step, frame: Frame, colours: Palette, text: number, choose
     svg("title", {}, words),
     svg("rect", { x: x0, y: frame.top, width: Math.max(x1 - x0, 1.5), height: frame.bottom - frame.top, fill: colour, "fill-opacity": 0.25 }),
     svg("line", { x1, x2: x1, y1: frame.top, y2: frame.bottom, stroke: colour, "stroke-width": 1.5, "stroke-dasharray": step.intended ? "4 3" : undefined }),
-    svg("text", { x: x1, y: frame.top - 0.3 * text, "text-anchor": "middle", fill: colour, "font-weight": 700 }, signs[step.verdict]));
+    svg("text", { x: x1, y: frame.top - 0.3 * text, "text-anchor": "middle", fill: colour, "font-weight": 700, "font-size": 1.2 * text }, signs[step.verdict]));
 }
 
 function baselines(history: History, view: View, frame: Frame, colours: Palette): SVGElement {
@@ -110,13 +110,13 @@ export function chartOf(history: History, values: Values, view: View, steps: Ste
   const clamped = (value: number) => Math.min(Math.max(frame.y(value / view.divisor), frame.top), frame.bottom);
   const { line, band } = curve(columns, along, clamped);
   const dots = runs <= 60 ? svg("g", { fill: colours.curve }, ...Array.from({ length: columns.count }, (_, i) => i)
-    .filter((i) => !Number.isNaN(columns.low[i]!)).map((i) => svg("circle", { cx: along(i), cy: clamped(columns.low[i]!), r: 3 }))) : null;
+    .filter((i) => !Number.isNaN(columns.low[i]!)).map((i) => svg("circle", { cx: along(i), cy: clamped(columns.low[i]!), r: 0.24 * text }))) : null;
   const seen = steps.filter((step) => step.run >= view.from && step.run <= view.to && step.before_run >= view.from);
   const element = svg("svg", { width, height, viewBox: `0 0 ${width} ${height}`, "font-size": text, "font-family": "system-ui, sans-serif" },
     ...axes(history, view, frame, colours, text),
     ...seen.map((step) => marker(step, frame, colours, text, choose)),
     svg("path", { d: band, fill: colours.curve, "fill-opacity": 0.2 }),
-    svg("path", { d: line, fill: "none", stroke: colours.curve, "stroke-width": 1.5, "stroke-linejoin": "round", class: "curve" }),
+    svg("path", { d: line, fill: "none", stroke: colours.curve, "stroke-width": 0.12 * text, "stroke-linejoin": "round", class: "curve" }),
     dots, baselines(history, view, frame, colours));
   return { element, frame };
 }

@@ -150,8 +150,7 @@ export class Detail {
     const facts = this.runs[run];
     if (!facts) { this.readout.replaceChildren(); return; }
     const rows = [this.index, ...this.catalogue.siblings(this.index)].slice(0, 12).map((index) => this.valueRow(index, run));
-    const { unit } = scaleOf(this.catalogue.history.series[this.index]!, this.state.floors);
-    const head = ["series", unit ? `value (${unit})` : "value", "95% interval", "change", "in noise floors"].map((text, i) => h("th", { scope: "col", class: i > 0 ? "number" : undefined }, text));
+    const head = ["series", "value", "95% interval", "change", "in noise floors"].map((text, i) => h("th", { scope: "col", class: i > 0 ? "number" : undefined }, text));
     this.readout.replaceChildren(
       h("p", {}, h("code", {}, shortCommit(facts.commit)), " ", facts.subject, " ",
         h("span", { class: "note" }, `${(facts.commit_time || facts.added).slice(0, 16).replace("T", " ")}, ${facts.device}${facts.baseline ? ", baseline" : ""}`)),
