@@ -22,9 +22,9 @@ function header(history: History): HTMLElement {
     h("dl", { class: "facts" }, ...facts.filter(([, value]) => value).flatMap(([name, value]) => [h("dt", {}, name), h("dd", {}, value)])));
 }
 
-/** Resolves when the page has been painted. */
+/** Resolves when the page has been painted: what is done in the first frame is shown with the second. */
 function nextFrame(): Promise<void> {
-  return new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve, 0)));
+  return new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(resolve, 0))));
 }
 
 class Page {
