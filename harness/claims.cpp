@@ -32,6 +32,11 @@ int lock_byte(int descriptor, short kind, long long offset) {
   return 0;
 }
 
+long long offset_of(const std::string& hash) {
+  assert(hash.size() >= 15);
+  return std::stoll(hash.substr(0, 15), nullptr, 16);  // below 2^60
+}
+
 }  // namespace
 
 Claims::Claim::Claim(Claim&& other) noexcept
@@ -52,11 +57,23 @@ Claims::Claims(const std::filesystem::path& folder) {
 Claims::~Claims() { ::close(descriptor_); }
 
 std::optional<Claims::Claim> Claims::take(const std::string& hash) const {
-  assert(hash.size() >= 15);
-  const long long offset = std::stoll(hash.substr(0, 15), nullptr, 16);  // below 2^60
+  const long long offset = offset_of(hash);
   const int reason = lock_byte(descriptor_, F_WRLCK, offset);
   if (reason == EAGAIN || reason == EACCES) return std::nullopt;
   return Claim(reason == 0 ? descriptor_ : -1, offset);
+}
+
+std::optional<bool> Claims::taken(const std::filesystem::path& folder, const std::string& hash) {
+  const int descriptor = ::open((folder / "claims").c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return std::nullopt;
+  struct flock lock {};
+  lock.l_type = F_WRLCK;
+  lock.l_whence = SEEK_SET;
+  lock.l_start = offset_of(hash);
+  lock.l_len = 1;
+  const bool known = ::fcntl(descriptor, F_OFD_GETLK, &lock) == 0;
+  ::close(descriptor);
+  return known ? std::optional(lock.l_type != F_UNLCK) : std::nullopt;
 }
 
 std::optional<Claims::Claim> Claims::wait(const std::string& hash,

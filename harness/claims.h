@@ -39,6 +39,9 @@ class Claims {
   /// Nothing while another process has the claim. `hash`: hex digits, at least 15. Where the file
   /// system has no locks every claim is given.
   std::optional<Claim> take(const std::string& hash) const;
+  /// Whether another process has it, asked without opening the file for writing; nothing where the
+  /// file or the file system's locks are not to be had.
+  static std::optional<bool> taken(const std::filesystem::path& folder, const std::string& hash);
   /// A claim of nothing.
   static Claim nothing() { return {-1, 0}; }
   /// Takes it as soon as it is free; nothing if it is not within `patience`. Throws Interrupted.

@@ -54,6 +54,7 @@ int main(int argc, char** argv) {
   app.failure_message(usage_message);
   occlab::Action action;
   occlab::add_run_verb(app, action);
+  occlab::add_status_verb(app, action);
   occlab::add_time_verb(app, action);
   occlab::add_render_verb(app, action);
   occlab::add_compare_verb(app, action);

@@ -46,6 +46,7 @@ SharedWork::SharedWork(CellStore& store, std::vector<WorkItem> items, const Work
       warn_(std::move(warn)),
       claims_(store.folder()),
       log_(store.folder(), planned_work(items_), options.shard),
+      alive_(claims_.take(log_.life())),
       watch_(options.cell_seconds,
              [this](const std::string& message) { log_.end("failed", message); }) {}
 
@@ -64,10 +65,10 @@ std::size_t SharedWork::make_missing() {
   fmt::print(stderr, "{}{} cells, {} to render\n", of_all, share_.size(), missing.size());
 
   if (missing.empty()) return 0;
-  log_.begin();
   const double planned = cost_of_share();
   double done = planned;
   for (const WorkItem* item : missing) done -= item->cost;
+  log_.begin(done);
   Progress progress("rendering", missing.size());
   std::vector<const WorkItem*> elsewhere;
   std::size_t at = 0;

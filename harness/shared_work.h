@@ -58,6 +58,7 @@ class SharedWork {
   std::function<void(std::string)> warn_;
   Claims claims_;
   WorkLog log_;
+  std::optional<Claims::Claim> alive_;  ///< what 'occlab status' knows a live process by
   CellWatch watch_;
 };
 

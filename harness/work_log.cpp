@@ -91,8 +91,13 @@ WorkLog::WorkLog(const fs::path& results, std::vector<PlannedWork> plan, std::op
   log_["shard"] = shard ? json::array({shard->index + 1, shard->count}) : json();
 }
 
-void WorkLog::begin() {
+std::string WorkLog::life_of(const std::string& file_name) {
+  return sha256_text("the process of " + file_name);
+}
+
+void WorkLog::begin(double cost_before) {
   const std::lock_guard lock(mutex_);
+  log_["cost_before"] = cost_before;
   write_first();
 }
 

@@ -34,13 +34,18 @@ class WorkLog {
   WorkLog(const WorkLog&) = delete;
   WorkLog& operator=(const WorkLog&) = delete;
 
-  void begin();
+  /// Of the planned costs, `cost_before` were finished when this process came.
+  void begin(double cost_before = 0.0);
   /// `done` of the `planned` costs are finished, `next` begins. Written at most once in ten
   /// seconds.
   void update(double cost_done, double cost_planned, const std::string& next);
   /// What it came to: "rendered", "finished", "failed", "interrupted". May be called by another
   /// thread.
   void end(const std::string& state, const std::string& message = {});
+
+  /// What the process that writes this log claims as long as it lives (claims.h).
+  std::string life() const { return life_of(path_.filename().string()); }
+  static std::string life_of(const std::string& file_name);
 
  private:
   void write_first();

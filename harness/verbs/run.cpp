@@ -1,5 +1,6 @@
 #include "harness/config.h"
 #include "harness/runner.h"
+#include "harness/verbs/executor.h"
 #include "harness/verbs/verbs.h"
 
 namespace occlab {
@@ -11,6 +12,7 @@ struct RunVerbOptions {
   std::optional<std::string> shard;
   std::vector<std::string> overrides;
   RunOptions run;
+  ExecutorOptions executor;
 };
 
 }  // namespace
@@ -36,12 +38,17 @@ void add_run_verb(CLI::App& app, Action& action) {
                    "seconds after which a cell that is not finished ends the run, such as one "
                    "whose shader hangs; default: none")
       ->check(CLI::PositiveNumber);
+  add_executor_options(*verb, options->executor);
   verb->callback([options, &action] {
     action = [options] {
       const Experiment experiment = load_experiment(options->config, options->overrides, methods());
       if (options->shard) options->run.shard = parse_shard(*options->shard);
       options->run.out = options->out.empty() ? "results/" + experiment.name : options->out;
-      run_experiment(experiment, options->run);
+      if (on_cluster(options->executor)) {
+        run_on_cluster(experiment, options->run.out, options->executor);
+      } else {
+        run_experiment(experiment, options->run);
+      }
       return exit_good;
     };
   });

@@ -10,6 +10,7 @@ using Action = std::function<int()>;
 
 // Each adds its subcommand to `app`; when that is chosen, `action` is set.
 void add_run_verb(CLI::App& app, Action& action);
+void add_status_verb(CLI::App& app, Action& action);
 void add_time_verb(CLI::App& app, Action& action);
 void add_render_verb(CLI::App& app, Action& action);
 void add_compare_verb(CLI::App& app, Action& action);
