@@ -16,7 +16,7 @@ namespace {
 
 using Widths = std::vector<std::size_t>;
 
-/// The parts between spaces; an interval is one.
+/// The parts between spaces; an interval is one, and so is a dash with its footnote.
 std::vector<std::string> words(std::string_view text) {
   std::vector<std::string> parts;
   bool fresh = true;
@@ -24,7 +24,8 @@ std::vector<std::string> words(std::string_view text) {
   for (const char c : text) {
     if (c == '[') ++depth;
     if (c == ']') --depth;
-    if (c == ' ' && depth <= 0) {
+    const bool dash = !fresh && parts.back() == "–";
+    if (c == ' ' && depth <= 0 && !dash) {
       fresh = true;
       continue;
     }

@@ -42,8 +42,8 @@ export class Detail {
       h("figcaption", { class: "note" }, "Band: the measurements' own 95% intervals. Tinted: the commits between which a step lies. Drag over runs to look closer; ",
         h("kbd", {}, "\u2190"), " ", h("kbd", {}, "\u2192"), " move along them, ", h("kbd", {}, "["), " ", h("kbd", {}, "]"), " from step to step."),
       this.readout);
-    new ResizeObserver(() => this.draw()).observe(this.place);
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { this.drawnAs = ""; this.draw(); });
+    new ResizeObserver(() => { this.draw(); this.show(); }).observe(this.place);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { this.drawnAs = ""; this.draw(); this.show(); });
   }
 
   sync(state: State, index: number): void {
