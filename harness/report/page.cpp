@@ -1,19 +1,15 @@
 #include "harness/report/page.h"
 
 #include <string_view>
+#include <utility>
 
 namespace occlab::report {
 namespace {
 
 using nlohmann::json;
 
-constexpr std::string_view data_marker = "/*occlab-data*/";
-
-std::string page_with(std::string_view html, const json& data) {
-  std::string page(html);
-  const std::size_t marker = page.find(data_marker);
-  page.replace(marker, data_marker.size(), inline_json(data));
-  return page;
+void embed(std::string& page, std::string_view marker, const json& data) {
+  page.replace(page.find(marker), marker.size(), inline_json(data));
 }
 
 }  // namespace
@@ -32,8 +28,20 @@ std::string inline_json(const json& data) {
   return safe;
 }
 
-std::string report_page(const json& data) { return page_with(page_html, data); }
+std::string report_page(const json& data) {
+  std::string page(page_html);
+  embed(page, "/*occlab-data*/", data);
+  return page;
+}
 
-std::string history_page(const json& data) { return page_with(history_html, data); }
+std::string history_page(json data) {
+  json values = std::move(data["values"]);
+  data.erase("values");
+  std::string page(history_html);
+  // From the end, so that no marker is looked for in data.
+  embed(page, "/*occlab-values*/", values);
+  embed(page, "/*occlab-data*/", data);
+  return page;
+}
 
 }  // namespace occlab::report

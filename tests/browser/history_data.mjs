@@ -110,7 +110,9 @@ export function writeHistory(folder, dist, {data, pictures}) {
   mkdirSync(`${folder}/images`, {recursive: true});
   data.images.forEach(({file}, i) => writeFileSync(`${folder}/${file}`, png(640, 360, pictures[i].colour)));
   for (const name of ["history.js", "style.css"]) copyFileSync(`${dist}/${name}`, `${folder}/${name}`);
-  const text = JSON.stringify(data).replaceAll("<", "\\u003c");
-  writeFileSync(`${folder}/index.html`, readFileSync(`${dist}/history.html`, "utf8").replace("/*occlab-data*/", () => text));
+  const {values, ...rest} = data;
+  const inline = (part) => JSON.stringify(part).replaceAll("<", "\\u003c");
+  const page = readFileSync(`${dist}/history.html`, "utf8");
+  writeFileSync(`${folder}/index.html`, page.replace("/*occlab-values*/", () => inline(values)).replace("/*occlab-data*/", () => inline(rest)));
   return `${folder}/index.html`;
 }

@@ -25,8 +25,8 @@ export interface History {
   format: number; written: string; project: string; level: number; minimum_effect: number;
   accept_command?: string;
   runs: Run[]; series: Series[]; steps: Step[]; images: Picture[];
-  values: { encoding: string; value: string; lower: string; upper: string };
 }
+interface Packed { encoding: string; value: string; lower: string; upper: string }
 
 /** Numbers of all series, those of a series one after the other in the order of the runs. */
 export interface Values { runs: number; value: Float32Array; lower: Float32Array; upper: Float32Array }
@@ -49,9 +49,18 @@ async function floats(text: string, count: number, name: string): Promise<Float3
   return Float32Array.from({ length: count }, (_, i) => view.getFloat32(4 * i, true));
 }
 
+/** Resolves when all of the page's file has been read. */
+function wholePage(): Promise<void> {
+  return new Promise((resolve) => {
+    if (document.readyState !== "loading") resolve();
+    else document.addEventListener("DOMContentLoaded", () => resolve(), { once: true });
+  });
+}
+
 export async function readValues(history: History): Promise<Values> {
+  await wholePage();
   const runs = history.runs.length, count = history.series.length * runs;
-  const { value, lower, upper } = history.values;
+  const { value, lower, upper } = JSON.parse(document.getElementById("occlab-values")?.textContent ?? "") as Packed;
   const all = await Promise.all([floats(value, count, "value"), floats(lower, count, "lower"), floats(upper, count, "upper")]);
   return { runs, value: all[0], lower: all[1], upper: all[2] };
 }
