@@ -60,6 +60,7 @@ int main(int argc, char** argv) {
   occlab::add_compare_verb(app, action);
   occlab::add_table_verb(app, action);
   occlab::add_report_verb(app, action);
+  occlab::add_history_verb(app, action);
   occlab::add_verify_verb(app, action);
   occlab::add_list_verb(app, action);
   occlab::add_export_verb(app, action);

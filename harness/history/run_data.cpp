@@ -94,7 +94,8 @@ std::vector<SeriesValues> collect_series(const std::vector<Measurement>& rows,
     Series series = series_of(row, machine);
     const auto [place, added] = places.try_emplace(series_key(series), all.size());
     if (added) {
-      all.push_back({.series = std::move(series), .by_seed = {}});
+      all.emplace_back();
+      all.back().series = std::move(series);
       summed.push_back(false);
     }
     SeriesValues& values = all[place->second];

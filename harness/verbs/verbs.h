@@ -16,6 +16,7 @@ void add_render_verb(CLI::App& app, Action& action);
 void add_compare_verb(CLI::App& app, Action& action);
 void add_table_verb(CLI::App& app, Action& action);
 void add_report_verb(CLI::App& app, Action& action);
+void add_history_verb(CLI::App& app, Action& action);
 void add_verify_verb(CLI::App& app, Action& action);
 void add_list_verb(CLI::App& app, Action& action);
 void add_export_verb(CLI::App& app, Action& action);

@@ -1,0 +1,117 @@
+#include "harness/history/baseline.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <set>
+
+#include "harness/history/git.h"
+#include "renderers/scene/error.h"
+
+namespace occlab::history {
+namespace {
+
+constexpr std::string_view dirty = "-dirty";
+constexpr std::size_t most_other_commits = 20;  // the last ones: enough to know how times vary
+
+std::string clean(std::string commit) {
+  if (commit.ends_with(dirty)) commit.resize(commit.size() - dirty.size());
+  return commit;
+}
+
+std::vector<StoredRun> of_experiment(std::vector<StoredRun> runs, const std::string& experiment) {
+  std::erase_if(runs, [&](const StoredRun& run) { return run.experiment != experiment; });
+  return runs;
+}
+
+ChosenBaseline baseline_of(const Sqlite& database, const std::vector<StoredRun>& runs,
+                           std::int64_t first) {
+  ChosenBaseline chosen;
+  std::vector<StoredRun> ordered = runs;
+  std::ranges::stable_partition(ordered, [&](const StoredRun& run) { return run.id == first; });
+  for (const StoredRun& run : ordered) chosen.side.runs.push_back(read_run(database, run));
+  std::vector<StoredRun> all = of_experiment(list_runs(database), runs.front().experiment);
+  std::ranges::reverse(all);
+  std::vector<std::string> commits;
+  for (const StoredRun& run : all) {
+    if (run.commit == runs.front().commit) continue;
+    if (std::ranges::count(all, run.commit, &StoredRun::commit) < 2) continue;
+    auto place = std::ranges::find(commits, run.commit);
+    if (place == commits.end()) {
+      if (commits.size() == most_other_commits) continue;
+      place = commits.insert(commits.end(), run.commit);
+      chosen.others.emplace_back();
+    }
+    chosen.others[std::size_t(place - commits.begin())].push_back(read_run(database, run));
+  }
+  return chosen;
+}
+
+[[noreturn]] void refuse(const Sqlite* database, const std::string& against,
+                         const std::string& experiment) {
+  if (!database) {
+    throw InputError(
+        fmt::format("--against {}: there is no such results folder or file, and no history (--db) "
+                    "to look it up in; 'occlab history add' begins one",
+                    against));
+  }
+  std::set<std::string> known;
+  for (const Baseline& baseline : list_baselines(*database)) {
+    if (baseline.experiment == experiment) known.insert(baseline.name);
+  }
+  for (const StoredRun& run : of_experiment(list_runs(*database), experiment)) {
+    if (known.size() < 12) known.insert(run.commit);
+  }
+  throw InputError(fmt::format(
+      "--against {}: {} has no baseline and no run of that name for the experiment '{}'; {}",
+      against, database->path().string(), experiment,
+      known.empty() ? "it has none at all: the first is accepted with --accept --why TEXT"
+                    : fmt::format("there are: {}", fmt::join(known, ", "))));
+}
+
+}  // namespace
+
+void complete_commit(RunFacts& facts) {
+  if (facts.commit.empty()) {
+    if (const auto head = find_commit("HEAD")) facts.commit = head->hash;
+  }
+  if (facts.commit.empty()) {
+    throw InputError(
+        "--commit: the run does not say which commit it is of, and the current folder is no git "
+        "repository: give the commit");
+  }
+  if (!facts.subject.empty() && !facts.commit_time.empty()) return;
+  const auto known = find_commit(clean(facts.commit));
+  if (!known) return;
+  if (facts.subject.empty()) facts.subject = known->subject;
+  if (facts.commit_time.empty()) facts.commit_time = known->time;
+}
+
+ChosenBaseline choose_baseline(const Sqlite* database, const std::string& against,
+                               const std::string& experiment) {
+  if (database) {
+    if (const auto baseline = current_baseline(*database, against, experiment)) {
+      const std::vector<StoredRun> all = of_experiment(list_runs(*database), experiment);
+      const auto accepted = std::ranges::find(all, baseline->run, &StoredRun::id);
+      if (accepted != all.end()) {
+        std::vector<StoredRun> runs = all;
+        std::erase_if(runs, [&](const StoredRun& r) { return r.commit != accepted->commit; });
+        return baseline_of(*database, runs, baseline->run);
+      }
+    }
+  }
+  if (is_results(against)) return {{{read_results(against)}}, {}};
+  if (database) {
+    std::vector<StoredRun> runs = of_experiment(runs_of_commit(*database, against), experiment);
+    if (runs.empty()) {
+      if (const auto commit = find_commit(against)) {
+        runs = of_experiment(runs_of_commit(*database, commit->hash), experiment);
+      }
+    }
+    if (!runs.empty()) return baseline_of(*database, runs, runs.front().id);
+  }
+  refuse(database, against, experiment);
+}
+
+}  // namespace occlab::history
