@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <map>
 
+#include "harness/files.h"
 #include "harness/version.h"
 #include "renderers/gl/program.h"
 
@@ -29,35 +31,61 @@ void drop_layers(Layers& layers, const std::vector<std::string>& names) {
   layers = std::move(kept);
 }
 
+/// Of a method's expanded shaders, which do not change while the program runs.
+const std::string& hash_of_shaders(const std::string& method) {
+  static std::map<std::string, std::string> known;
+  const auto [entry, is_new] = known.try_emplace(method);
+  if (is_new) {
+    std::string shaders;
+    for (const std::string& shader : find_method(method).shaders) {
+      shaders += expand_shader(shader, "").text;
+    }
+    entry->second = sha256_text(shaders);
+  }
+  return entry->second;
+}
+
 }  // namespace
 
-CellKey workbench_key(const Workbench& bench) {
+BenchFacts bench_facts(const Workbench& bench) {
   const View& view = bench.frame().view;
-  const ProbeSettings& probe = bench.probe();
+  return {.scene_hash = bench.scene_hash(),
+          .view = view.camera.name,
+          .resolution = {view.width, view.height},
+          .probe_hash = bench.probe_hash(),
+          .probe = bench.probe(),
+          .device = bench.device().renderer,
+          .driver = bench.device().version};
+}
+
+CellKey bench_key(const BenchFacts& facts) {
+  const ProbeSettings& probe = facts.probe;
   CellKey key;
-  key.add("scene", bench.scene_hash());
-  key.add("view", view.camera.name);
-  key.add("resolution", fmt::format("{}x{}", view.width, view.height));
-  key.add("probe", bench.probe_hash());
+  key.add("scene", facts.scene_hash);
+  key.add("view", facts.view);
+  key.add("resolution", fmt::format("{}x{}", facts.resolution.width, facts.resolution.height));
+  key.add("probe", facts.probe_hash);
   key.add("probe_settings",
           fmt::format("rotation_degrees={} exposure_stops={} prefilter_degrees={}",
                       probe.rotation_degrees, probe.exposure_stops, probe.prefilter_degrees));
-  key.add("device", bench.device().renderer);
-  key.add("driver", bench.device().version);
+  key.add("device", facts.device);
+  key.add("driver", facts.driver);
   key.add("code", std::string(renderers_hash));
   return key;
 }
 
-CellKey cell_key(const Workbench& bench, const PlannedCell& cell) {
-  CellKey key = workbench_key(bench);
+CellKey workbench_key(const Workbench& bench) { return bench_key(bench_facts(bench)); }
+
+CellKey cell_key(const BenchFacts& facts, const PlannedCell& cell) {
+  CellKey key = bench_key(facts);
   key.add("method", cell.method);
   key.add("parameters", cell.parameters.to_string());
-  std::string shaders;
-  for (const std::string& shader : find_method(cell.method).shaders) {
-    shaders += expand_shader(shader, "").text;
-  }
-  key.add("shaders", sha256_text(shaders));
+  key.add("shaders", hash_of_shaders(cell.method));
   return key;
+}
+
+CellKey cell_key(const Workbench& bench, const PlannedCell& cell) {
+  return cell_key(bench_facts(bench), cell);
 }
 
 Layers render_cell(Workbench& bench, const PlannedCell& cell, OcclusionMethod& method,

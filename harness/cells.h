@@ -12,11 +12,24 @@ namespace occlab {
 /// Names and values in declared order, without `seed`: what a measurement's parameters are.
 std::vector<std::pair<std::string, std::string>> named_parameters(const ParameterSet& parameters);
 
-/// What determines the pixels of everything that is made on this workbench: scene, view, light,
-/// device and code.
+/// What determines the pixels of everything that is made on a workbench, beside the code.
+struct BenchFacts {
+  std::string scene_hash;
+  std::string view;
+  Resolution resolution;
+  std::string probe_hash;
+  ProbeSettings probe;
+  std::string device;  ///< DeviceInfo::renderer
+  std::string driver;  ///< DeviceInfo::version
+};
+BenchFacts bench_facts(const Workbench& bench);
+
+/// Scene, view, light, device and code.
+CellKey bench_key(const BenchFacts& facts);
 CellKey workbench_key(const Workbench& bench);
 
 /// What determines a cell's pixels on this workbench.
+CellKey cell_key(const BenchFacts& facts, const PlannedCell& cell);
 CellKey cell_key(const Workbench& bench, const PlannedCell& cell);
 
 /// Renders the cell with its method. A reference cell also holds the `mask` of its surface points;

@@ -226,38 +226,90 @@ long more_rays(const Certification& certification, long step) {
   return long(std::min(steps * double(step), left));
 }
 
+namespace {
+
+/// The rows of each scene, view, resolution and probe, in order of appearance.
+std::vector<std::vector<Measurement>> by_bench(const std::vector<Measurement>& measurements) {
+  std::vector<std::vector<Measurement>> benches;
+  for (const Measurement& row : measurements) {
+    // Of a region's view "main [corner]" nothing is judged.
+    if (is_region(row) || !(is_of_reference(row) || (row.metric == "rmse" && row.seed == "all"))) {
+      continue;
+    }
+    const auto known = std::ranges::find_if(benches, [&](const std::vector<Measurement>& bench) {
+      const Measurement& first = bench.front();
+      return first.scene == row.scene && first.view == row.view &&
+             first.resolution == row.resolution && first.probe == row.probe;
+    });
+    if (known == benches.end()) {
+      benches.push_back({row});
+    } else {
+      known->push_back(row);
+    }
+  }
+  return benches;
+}
+
+/// What tells the benches apart.
+std::vector<std::pair<const char*, std::string Measurement::*>> bench_columns(
+    const std::vector<std::vector<Measurement>>& benches) {
+  std::vector<std::pair<const char*, std::string Measurement::*>> columns = {
+      {"scene", &Measurement::scene},
+      {"view", &Measurement::view},
+      {"resolution", &Measurement::resolution},
+      {"probe", &Measurement::probe}};
+  std::erase_if(columns, [&](const auto& column) {
+    return std::ranges::all_of(benches, [&](const std::vector<Measurement>& bench) {
+      return bench.front().*column.second == benches.front().front().*column.second;
+    });
+  });
+  return columns;
+}
+
+}  // namespace
+
 Table reference_table(const std::vector<Measurement>& measurements) {
   Table table{
       .name = "reference", .title = "The reference", .columns = {}, .rows = {}, .notes = {}};
-  const std::optional<Certification> found = certify(measurements);
-  if (!found) return table;
-  const auto number = [&](const std::optional<double>& value) -> TableCell {
-    if (value) return TableNumber{*value, {}, {}};
-    return TableMissing{found->reason};
-  };
-  std::vector<TableCell> row;
-  const auto add = [&](std::string name, std::string unit, TableCell cell) {
-    const bool text = std::holds_alternative<std::string>(cell);
-    table.columns.push_back(
-        {std::move(name), std::move(unit), text ? Alignment::left : Alignment::right});
-    row.push_back(std::move(cell));
-  };
-  add("method", "", found->method);
-  if (found->rays_per_pixel > 0) {
-    add("rays", "a pixel", TableNumber{double(found->rays_per_pixel), {}, {}});
-    add("budget", "rays a pixel", TableNumber{double(found->max_rays_per_pixel), {}, {}});
+  const std::vector<std::vector<Measurement>> benches = by_bench(measurements);
+  const auto names = bench_columns(benches);
+  for (const std::vector<Measurement>& bench : benches) {
+    const std::optional<Certification> found = certify(bench);
+    if (!found) continue;
+    const auto number = [&](const std::optional<double>& value) -> TableCell {
+      if (value) return TableNumber{*value, {}, {}};
+      return TableMissing{found->reason};
+    };
+    std::vector<TableColumn> columns;
+    std::vector<TableCell> row;
+    const auto add = [&](std::string name, std::string unit, TableCell cell) {
+      const bool text = std::holds_alternative<std::string>(cell);
+      columns.push_back(
+          {std::move(name), std::move(unit), text ? Alignment::left : Alignment::right});
+      row.push_back(std::move(cell));
+    };
+    for (const auto& [name, member] : names) add(name, "", bench.front().*member);
+    add("method", "", found->method);
+    if (found->rays_per_pixel > 0) {
+      add("rays", "a pixel", TableNumber{double(found->rays_per_pixel), {}, {}});
+      add("budget", "rays a pixel", TableNumber{double(found->max_rays_per_pixel), {}, {}});
+    }
+    add("95% half-width", "mean luminance", number(found->half_width));
+    add("smallest error", "mean luminance", number(found->smallest_error));
+    add("of", "", found->smallest.empty() ? std::string("none") : found->smallest);
+    add("share", "", number(found->share()));
+    add("certified", "", std::string(found->certified() ? "yes" : "no"));
+    table.columns = std::move(columns);
+    table.rows.push_back(std::move(row));
+    if (benches.size() == 1) table.notes.push_back(found->verdict());
+    if (table.rows.size() == 1) {
+      table.notes.push_back(
+          fmt::format("95% half-width: 1.96 root mean variance of the reference's pixels; "
+                      "smallest error: the smallest rmse of all methods and stages over the "
+                      "whole frame; certified where their ratio is at most {:g}",
+                      found->tolerance));
+    }
   }
-  add("95% half-width", "mean luminance", number(found->half_width));
-  add("smallest error", "mean luminance", number(found->smallest_error));
-  add("of", "", found->smallest.empty() ? std::string("none") : found->smallest);
-  add("share", "", number(found->share()));
-  add("certified", "", std::string(found->certified() ? "yes" : "no"));
-  table.rows.push_back(std::move(row));
-  table.notes = {found->verdict(),
-                 fmt::format("95% half-width: 1.96 root mean variance of the reference's pixels; "
-                             "smallest error: the smallest rmse of all methods and stages over the "
-                             "whole frame; certified where their ratio is at most {:g}",
-                             found->tolerance)};
   return table;
 }
 

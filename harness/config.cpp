@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <sstream>
 
@@ -14,33 +15,6 @@ namespace {
 
 using Methods = std::vector<MethodInfo>;
 
-SceneSettings read_scene(TomlTable table) {
-  SceneSettings scene;
-  scene.source = table.name_or_path("source");
-  scene.view = table.text("view", "");
-  if (table.has("resolution")) {
-    const TomlTable::Numbers size = table.numbers("resolution", 2);
-    const auto accepted = [](double length) { return length >= 16 && length <= 16384; };
-    if (!size.whole || !std::ranges::all_of(size.values, accepted)) {
-      table.fail("resolution", "accepted are two integers in [16, 16384], width and height");
-    }
-    scene.width = int(size.values[0]);
-    scene.height = int(size.values[1]);
-  }
-  table.refuse_others();
-  return scene;
-}
-
-ProbeSettings read_probe(TomlTable table) {
-  ProbeSettings probe;
-  probe.source = table.name_or_path("source");
-  probe.rotation_degrees = float(table.real("rotation_degrees", -360, 360, 0.0));
-  probe.exposure_stops = float(table.real("exposure_stops", -32, 32, 0.0));
-  probe.prefilter_degrees = float(table.real("prefilter_degrees", 0, 90, 0.0));
-  table.refuse_others();
-  return probe;
-}
-
 ReferenceSettings read_reference(TomlTable table, const Methods& methods) {
   ReferenceSettings reference;
   reference.method = table.text("method");
@@ -51,20 +25,6 @@ ReferenceSettings read_reference(TomlTable table, const Methods& methods) {
   }
   reference.parameters = single_values(read_parameters(table, known, {.own_seed = true}));
   return reference;
-}
-
-RunSettings read_run(TomlTable& table, const Methods& methods) {
-  RunSettings run;
-  run.methods = table.words("methods");
-  const auto known = known_methods(table, "methods", run.methods, methods);
-  run.seeds = int(table.integer("seeds", 1, 4096, 1));
-  run.axes = read_parameters(table, known, {.lists = true, .by_all = true});
-  for (const MethodInfo* method : known) {
-    if (run.seeds > 1 && !declares(*method, "seed")) {
-      table.fail("seeds", fmt::format("method '{}' has no seed; accepted is 1", method->name));
-    }
-  }
-  return run;
 }
 
 BudgetSettings read_budget(TomlTable table) {
@@ -113,7 +73,36 @@ void check_ray_budget(const ReferenceSettings& reference, const ParameterSet& pa
   }
 }
 
+void check_cells(const Experiment& experiment, const TomlTable& root, const Methods& methods) {
+  const long cells = std::ssize(plan(experiment, methods));
+  long all = 0;
+  if (__builtin_mul_overflow(cells, std::ssize(experiment.benches), &all)) {
+    all = std::numeric_limits<long>::max();
+  }
+  check_count(root, "scene", all,
+              fmt::format("{} scenes, views, resolutions and probes of {} cells each",
+                          experiment.benches.size(), cells));
+}
+
+/// Times have axes of their own, and a figure shows one image.
+void refuse_parts_of_one_bench(const Experiment& experiment, TomlTable& root) {
+  for (const char* part : {"timing", "figure"}) {
+    if (!root.has(part)) continue;
+    root.fail(part, fmt::format("accepted with one scene, view, resolution and probe; [scene] and "
+                                "[probe] make {}",
+                                experiment.benches.size()));
+  }
+}
+
 }  // namespace
+
+Experiment at_bench(const Experiment& experiment, const BenchSettings& bench) {
+  Experiment one = experiment;
+  one.scene = bench.scene;
+  one.probe = bench.probe;
+  one.benches = {bench};
+  return one;
+}
 
 Experiment load_experiment(const std::filesystem::path& path,
                            const std::vector<std::string>& overrides, const Methods& methods) {
@@ -130,8 +119,9 @@ Experiment load_experiment(const std::filesystem::path& path,
   experiment.name = names.identifier("name");
   experiment.title = names.text("title");
   names.refuse_others();
-  experiment.scene = read_scene(root.table("scene"));
-  if (root.has("probe")) experiment.probe = read_probe(root.table("probe"));
+  experiment.benches = read_benches(root);
+  experiment.scene = experiment.benches.front().scene;
+  experiment.probe = experiment.benches.front().probe;
   if (root.has("reference")) {
     experiment.reference = read_reference(root.table("reference"), methods);
   }
@@ -161,7 +151,9 @@ Experiment load_experiment(const std::filesystem::path& path,
     TomlTable table = root.table("parameters");
     experiment.parameters = single_values(read_parameters(table, used, {}));
   }
+  check_cells(experiment, root, methods);
   refuse_equal_cells(experiment, run_tables, methods);
+  if (experiment.benches.size() > 1) refuse_parts_of_one_bench(experiment, root);
   if (experiment.reference) {
     check_ray_budget(*experiment.reference, plan(experiment, methods).front().parameters,
                      root.table("reference"));

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "harness/grid.h"
 #include "renderers/methods/method.h"
 #include "renderers/scene/environment.h"
 #include "renderers/scene/error.h"
@@ -14,14 +15,9 @@ namespace occlab {
 
 // The experiment file; configs/FORMAT.md describes every key.
 
-/// Parameters by name, in file order.
-using NamedValues = std::vector<std::pair<std::string, ParameterValue>>;
-
-/// A parameter and the values it takes; several axes are crossed, the first varies slowest.
-struct Axis {
-  std::string parameter;
-  std::vector<ParameterValue> values;  ///< not empty, all different
-};
+/// An experiment has its cells in memory, at some 5 KB each: the plan, its keys and what is
+/// compared in the end.
+inline constexpr long most_cells = 100'000;
 
 struct SceneSettings {
   std::string source;  ///< a scene's name, or the absolute path of a .glb or .gltf
@@ -38,10 +34,16 @@ struct ReferenceSettings {
   std::optional<long> max_rays_per_pixel;
 };
 
+/// What a scene is seen with: a point of the axes of [scene] and [probe].
+struct BenchSettings {
+  SceneSettings scene;
+  std::optional<ProbeSettings> probe;  ///< none: the scene's own environment
+};
+
 struct RunSettings {
   std::vector<std::string> methods;
-  std::vector<Axis> axes;
-  int seeds = 1;  ///< reseeded runs, `seed` = 0 .. seeds - 1
+  Grid grid;  ///< of parameters; an exclusion may also name the axis `method`
+  std::vector<long> seeds = {0};
 };
 
 struct Resolution {
@@ -104,9 +106,12 @@ struct Experiment {
   std::string resolved;  ///< the file as TOML after the overrides, for run.json
   std::string name;
   std::string title;
-  SceneSettings scene;
-  std::optional<ProbeSettings> probe;  ///< none: the scene's own environment
-  NamedValues parameters;              ///< for every method that declares them
+  SceneSettings scene;  ///< with `probe` the first of `benches`; see at_bench()
+  std::optional<ProbeSettings> probe;
+  /// Every scene, view, resolution and probe, each of which has all cells; not empty. The first
+  /// varies slowest: what is shared, such as a loaded scene, comes one after the other.
+  std::vector<BenchSettings> benches;
+  NamedValues parameters;  ///< for every method that declares them
   std::optional<ReferenceSettings> reference;
   std::vector<RunSettings> runs;
   std::optional<BudgetSettings> budget;
@@ -120,6 +125,9 @@ struct Experiment {
 Experiment load_experiment(const std::filesystem::path& path,
                            const std::vector<std::string>& overrides,
                            const std::vector<MethodInfo>& methods);
+
+/// The experiment with that one bench.
+Experiment at_bench(const Experiment& experiment, const BenchSettings& bench);
 
 enum class Role { reference, test };
 

@@ -61,7 +61,9 @@ std::vector<Axis> read_parameters(TomlTable& table, const std::vector<const Meth
       table.fail(name, "not accepted here: [[run]] has 'seeds', [reference] its own 'seed'");
     }
     if (std::ranges::find(accepted, name) == accepted.end()) table.refuse_unknown(name, accepted);
-    Axis axis{name, table.values(name, rules.lists)};
+    const bool zipped = std::ranges::any_of(
+        rules.zips, [&](const auto& zip) { return std::ranges::find(zip, name) != zip.end(); });
+    Axis axis{name, table.values(name, rules.lists, zipped)};
     if (is_choice(methods, name)) {
       for (ParameterValue& value : axis.values) value = to_string(value);
     }

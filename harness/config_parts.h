@@ -22,6 +22,7 @@ struct ParameterRules {
   bool lists = false;     ///< a list of values is an axis
   bool by_all = false;    ///< every method has to declare them, not just one
   bool own_seed = false;  ///< `seed` may be given
+  std::vector<std::vector<std::string>> zips = {};  ///< whose axes may have a value twice
 };
 
 /// The keys that are left in a table: parameters of `methods`, with valid values.
@@ -30,6 +31,28 @@ std::vector<Axis> read_parameters(TomlTable& table, const std::vector<const Meth
 
 /// The first value of each.
 NamedValues single_values(const std::vector<Axis>& axes);
+
+/// Refuses, at the key `zip`, a zip of what is no axis and of axes of unequal lengths.
+void check_zips(const TomlTable& table, const Grid& grid);
+
+/// Refuses exclusions that name what is no axis or a value that it does not take, exclude nothing,
+/// or everything. `tables` are the places of `grid.exclusions`; a run also has the axis `method`.
+void check_exclusions(const std::vector<TomlTable>& tables, const Grid& grid,
+                      const std::vector<std::string>& methods);
+
+/// Refuses more than most_cells at the table's key.
+void check_count(const TomlTable& table, const std::string& key, long cells,
+                 const std::string& what);
+
+/// [scene], [probe] and [sweep]: every bench that their axes make.
+std::vector<BenchSettings> read_benches(TomlTable& root);
+
+/// "1280x720", with sides that are accepted; nothing for any other text.
+std::optional<Resolution> parse_resolution(const std::string& text);
+inline constexpr int shortest_side = 16;
+inline constexpr int longest_side = 16384;
+
+RunSettings read_run(TomlTable& table, const std::vector<MethodInfo>& methods);
 
 TimingSettings read_timing(TomlTable table, const std::vector<MethodInfo>& methods);
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 
 #include "harness/config_parts.h"
@@ -12,22 +11,6 @@
 
 namespace occlab {
 namespace {
-
-constexpr int shortest_side = 16;
-constexpr int longest_side = 16384;
-
-/// "1280x720".
-std::optional<Resolution> parse_resolution(const std::string& text) {
-  Resolution size;
-  const char* const end = text.data() + text.size();
-  const auto width = std::from_chars(text.data(), end, size.width);
-  if (width.ec != std::errc() || width.ptr == end || *width.ptr != 'x') return std::nullopt;
-  const auto height = std::from_chars(width.ptr + 1, end, size.height);
-  if (height.ec != std::errc() || height.ptr != end) return std::nullopt;
-  const auto accepted = [](int side) { return side >= shortest_side && side <= longest_side; };
-  if (!accepted(size.width) || !accepted(size.height)) return std::nullopt;
-  return size;
-}
 
 std::vector<Resolution> read_resolutions(TomlTable& table) {
   std::vector<Resolution> sizes;

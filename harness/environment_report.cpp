@@ -14,7 +14,8 @@ nlohmann::json environment_report(const Experiment& experiment, const Workbench&
   const Scene& scene = bench.scene();
   nlohmann::json seeds = nlohmann::json::array();
   for (const RunSettings& run : experiment.runs) {
-    seeds.push_back({{"methods", run.methods}, {"first", 0}, {"last", run.seeds - 1}});
+    seeds.push_back(
+        {{"methods", run.methods}, {"first", run.seeds.front()}, {"last", run.seeds.back()}});
   }
   return {
       {"schema", 1},

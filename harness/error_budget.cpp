@@ -84,8 +84,7 @@ std::vector<BudgetCell> plan_budget(const std::vector<PlannedCell>& cells) {
   return budget;
 }
 
-CellKey budget_key(const Workbench& bench, const BudgetCell& cell, const BudgetSettings& settings) {
-  CellKey key = workbench_key(bench);
+CellKey budget_key(CellKey key, const BudgetCell& cell, const BudgetSettings& settings) {
   for (const BudgetVariant& variant : cell.variants) {
     key.add("budget of " + variant.name, variant_of(variant.planned));
   }

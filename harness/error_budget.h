@@ -39,7 +39,8 @@ struct BudgetCell {
 /// Of the test cells whose method has a representation and which march through the depth buffer.
 std::vector<BudgetCell> plan_budget(const std::vector<PlannedCell>& cells);
 
-CellKey budget_key(const Workbench& bench, const BudgetCell& cell, const BudgetSettings& settings);
+/// `bench`: bench_key() of cells.h.
+CellKey budget_key(CellKey bench, const BudgetCell& cell, const BudgetSettings& settings);
 
 /// Layers `VARIANT_traced` and `VARIANT_depth` (T and D, RGB), and of every failure class
 /// (methods/failure_classes.h) `CLASS_occlusion` and `CLASS_radiance`. `facts` gets what each run

@@ -324,24 +324,6 @@ class Measurer {
 
 }  // namespace
 
-std::string view_of_region(const std::string& view, const std::string& region) {
-  return fmt::format("{} [{}]", view, region);
-}
-
-bool is_region(const Measurement& measurement) { return measurement.view.ends_with(']'); }
-
-std::vector<Region> regions(const Experiment& experiment) {
-  std::vector<Region> all;
-  for (const FigureSettings& figure : experiment.figures) {
-    for (const CloseupRow& row : figure.rows) {
-      if (std::ranges::find(all, row.label, &Region::name) == all.end()) {
-        all.push_back({row.label, row.rectangle});
-      }
-    }
-  }
-  return all;
-}
-
 std::vector<StageImage> stage_images(const Layers& layers) {
   std::vector<StageImage> images;
   for (const Stage& stage : stages) {

@@ -2,11 +2,15 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <cstring>
+#include <utility>
 
 #include "harness/csv.h"
 #include "harness/files.h"
@@ -134,7 +138,88 @@ Measurement parse_record(const CsvRecord& record, const std::vector<std::string>
   return m;
 }
 
+std::string header_line(const std::vector<std::string>& parameters) {
+  std::vector<std::string> header = head;
+  for (const std::string& name : parameters) header.push_back(std::string(parameter_prefix) + name);
+  header.insert(header.end(), tail.begin(), tail.end());
+  return csv_line(header);
+}
+
+std::string row_line(const Measurement& m, const std::vector<std::string>& parameters) {
+  if (const std::string what = defect(m); !what.empty()) {
+    throw InputError(fmt::format("measurement '{}' of method '{}', seed {}: {}", m.metric, m.method,
+                                 m.seed, what));
+  }
+  std::vector<std::string> fields = {m.experiment, m.scene, m.view,
+                                     m.resolution, m.probe, m.method};
+  for (const std::string& name : parameters) {
+    const std::string* const value = find_parameter(m, name);
+    fields.push_back(value ? *value : "");
+  }
+  for (const std::string& field :
+       {m.seed, m.stage, m.metric, m.unit, optional_text(m.value), optional_text(m.lower),
+        optional_text(m.upper), fmt::format("{}", m.n), m.device, m.clock,
+        fmt::format("{}", fmt::join(m.cells, ";")), m.reference_cell, m.reason}) {
+    fields.push_back(field);
+  }
+  return csv_line(fields);
+}
+
 }  // namespace
+
+MeasurementsFile::MeasurementsFile(std::filesystem::path path, std::vector<std::string> parameters)
+    : path_(std::move(path)), parameters_(std::move(parameters)) {
+  temporary_ = path_.parent_path() / fmt::format(".{}.{}", path_.filename().string(), ::getpid());
+  file_ = std::fopen(temporary_.c_str(), "wb");
+  if (!file_) {
+    throw DeviceError(
+        fmt::format("{}: cannot be created: {}", temporary_.string(), std::strerror(errno)));
+  }
+  write(header_line(parameters_));
+}
+
+MeasurementsFile::~MeasurementsFile() {
+  if (!file_) return;
+  std::fclose(file_);
+  ::unlink(temporary_.c_str());
+}
+
+void MeasurementsFile::write(const std::string& text) {
+  if (std::fwrite(text.data(), 1, text.size(), file_) == text.size()) return;
+  throw DeviceError(
+      fmt::format("{}: writing failed: {}", temporary_.string(), std::strerror(errno)));
+}
+
+void MeasurementsFile::add(const std::vector<Measurement>& rows) {
+  for (const Measurement& row : rows) {
+    for (const auto& [name, value] : row.parameters) {
+      if (std::ranges::find(parameters_, name) != parameters_.end()) continue;
+      throw InputError(
+          fmt::format("measurement '{}' of method '{}': there is no column for its "
+                      "parameter '{}'",
+                      row.metric, row.method, name));
+    }
+    write(row_line(row, parameters_));
+  }
+  rows_ += rows.size();
+}
+
+void MeasurementsFile::finish() {
+  const bool flushed = std::fflush(file_) == 0;
+  const int reason = errno;
+  std::fclose(std::exchange(file_, nullptr));
+  if (!flushed) {
+    ::unlink(temporary_.c_str());
+    throw DeviceError(
+        fmt::format("{}: writing failed: {}", temporary_.string(), std::strerror(reason)));
+  }
+  sync_path(temporary_);
+  if (::rename(temporary_.c_str(), path_.c_str()) != 0) {
+    throw DeviceError(
+        fmt::format("{}: cannot be written: {}", path_.string(), std::strerror(errno)));
+  }
+  sync_path(path_.parent_path());
+}
 
 void merge_names(std::vector<std::string>& names,
                  const std::vector<std::pair<std::string, std::string>>& values) {
@@ -159,29 +244,8 @@ const std::string* find_parameter(const Measurement& measurement, std::string_vi
 std::string measurements_to_csv(const std::vector<Measurement>& measurements) {
   std::vector<std::string> parameters;
   for (const Measurement& m : measurements) merge_names(parameters, m.parameters);
-  std::vector<std::string> header = head;
-  for (const std::string& name : parameters) header.push_back(std::string(parameter_prefix) + name);
-  header.insert(header.end(), tail.begin(), tail.end());
-  std::string csv = csv_line(header);
-  for (const Measurement& m : measurements) {
-    if (const std::string what = defect(m); !what.empty()) {
-      throw InputError(fmt::format("measurement '{}' of method '{}', seed {}: {}", m.metric,
-                                   m.method, m.seed, what));
-    }
-    std::vector<std::string> fields = {m.experiment, m.scene, m.view,
-                                       m.resolution, m.probe, m.method};
-    for (const std::string& name : parameters) {
-      const std::string* const value = find_parameter(m, name);
-      fields.push_back(value ? *value : "");
-    }
-    for (const std::string& field :
-         {m.seed, m.stage, m.metric, m.unit, optional_text(m.value), optional_text(m.lower),
-          optional_text(m.upper), fmt::format("{}", m.n), m.device, m.clock,
-          fmt::format("{}", fmt::join(m.cells, ";")), m.reference_cell, m.reason}) {
-      fields.push_back(field);
-    }
-    csv += csv_line(fields);
-  }
+  std::string csv = header_line(parameters);
+  for (const Measurement& m : measurements) csv += row_line(m, parameters);
   return csv;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdio>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -58,6 +59,32 @@ const std::string* find_parameter(const Measurement& measurement, std::string_vi
 std::string measurements_to_csv(const std::vector<Measurement>& measurements);
 /// Throws InputError "NAME:LINE: ..." for anything measurements_to_csv would not have written.
 std::vector<Measurement> measurements_from_csv(std::string_view text, const std::string& name);
+
+/// Writes rows to a file as they come. The file is complete or as it was: it is written beside
+/// `path`, synced and renamed. Throws DeviceError with the path and the system's reason, and
+/// InputError for rows as measurements_to_csv does.
+class MeasurementsFile {
+ public:
+  /// `parameters`: the names that rows may have, in the order of the columns.
+  MeasurementsFile(std::filesystem::path path, std::vector<std::string> parameters);
+  /// Without finish() nothing is left.
+  ~MeasurementsFile();
+  MeasurementsFile(const MeasurementsFile&) = delete;
+  MeasurementsFile& operator=(const MeasurementsFile&) = delete;
+
+  void add(const std::vector<Measurement>& rows);
+  void finish();
+  std::size_t rows() const { return rows_; }
+
+ private:
+  void write(const std::string& text);
+
+  std::filesystem::path path_;
+  std::filesystem::path temporary_;
+  std::vector<std::string> parameters_;
+  std::FILE* file_ = nullptr;
+  std::size_t rows_ = 0;
+};
 
 /// Throws DeviceError with the path and the system's reason; complete or as it was.
 void write_measurements(const std::filesystem::path& path,

@@ -26,22 +26,6 @@ ParameterSet common_parameters(const Experiment& experiment, const MethodInfo& m
 
 namespace {
 
-/// Every point of the crossed axes; the first axis varies slowest. Without axes, one empty point.
-std::vector<NamedValues> cross(const std::vector<Axis>& axes) {
-  std::vector<NamedValues> points = {{}};
-  for (const Axis& axis : axes) {
-    std::vector<NamedValues> longer;
-    for (const NamedValues& point : points) {
-      for (const ParameterValue& value : axis.values) {
-        longer.push_back(point);
-        longer.back().emplace_back(axis.parameter, value);
-      }
-    }
-    points = std::move(longer);
-  }
-  return points;
-}
-
 /// "samples (32, 16, 8)": the values the cells have for a parameter.
 std::string found_values(const std::vector<const PlannedCell*>& cells, const std::string& name) {
   std::vector<std::string> values;
@@ -50,6 +34,11 @@ std::string found_values(const std::vector<const PlannedCell*>& cells, const std
     if (std::ranges::find(values, value) == values.end()) values.push_back(value);
   }
   return fmt::format("{} ({})", name, fmt::join(values, ", "));
+}
+
+bool is_excluded_of(const std::string& method, NamedValues point, const Grid& grid) {
+  point.emplace_back("method", method);
+  return is_excluded(point, grid);
 }
 
 bool matches(const PlannedCell& cell, const NamedValues& select) {
@@ -78,11 +67,12 @@ std::vector<PlannedCell> plan(const Experiment& experiment,
   for (const RunSettings& run : experiment.runs) {
     for (const std::string& name : run.methods) {
       const MethodInfo& method = planned_method(methods, name);
-      for (const NamedValues& point : cross(run.axes)) {
+      for (const NamedValues& point : cross(run.grid)) {
+        if (!run.grid.exclusions.empty() && is_excluded_of(name, point, run.grid)) continue;
         ParameterSet parameters = common_parameters(experiment, method);
         for (const auto& [parameter, value] : point) parameters.set(parameter, value);
-        for (int seed = 0; seed < run.seeds; ++seed) {
-          if (parameters.has("seed")) parameters.set("seed", long(seed));
+        for (const long seed : run.seeds) {
+          if (parameters.has("seed")) parameters.set("seed", seed);
           cells.push_back({Role::test, name, parameters, group});
         }
         ++group;

@@ -40,9 +40,12 @@ Layers merge_references(const Layers& a, long rays_a, const Layers& b, long rays
   return merged;
 }
 
-ReferenceChain::ReferenceChain(const Workbench& bench, CellStore& store, KeyedCell first,
-                               ReadPart read)
-    : bench_(bench), store_(store), read_part_(std::move(read)) {
+ReferenceChain::ReferenceChain(BenchFacts bench, CellStore& store, KeyedCell first, ReadPart read,
+                               Describe describe)
+    : bench_(std::move(bench)),
+      store_(store),
+      read_part_(std::move(read)),
+      describe_(std::move(describe)) {
   const ParameterSet& parameters = first.planned.parameters;
   rays_.push_back(parameters.has("rays_per_pixel") ? parameters.integer("rays_per_pixel") : 0);
   parts_.push_back(first);
@@ -88,7 +91,7 @@ Layers ReferenceChain::read(std::size_t index) {
   Layers merged =
       merge_references(read(index - 1), before, read_part_(parts_[index]), rays_[index]);
   const Metadata facts = {{"mean_of", means_[index - 1].key.id() + " " + parts_[index].key.id()}};
-  store_.write(mean.key, merged, cell_metadata(bench_, mean.planned, facts), nlohmann::json(facts));
+  store_.write(mean.key, merged, describe_(mean.planned, facts), nlohmann::json(facts));
   return merged;
 }
 

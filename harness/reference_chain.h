@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "harness/cells.h"
 #include "harness/config.h"
 #include "harness/store.h"
-#include "harness/workbench.h"
 
 namespace occlab {
 
@@ -28,7 +28,11 @@ class ReferenceChain {
   /// Reads a cell, rendering it where it is missing or damaged.
   using ReadPart = std::function<Layers(const KeyedCell&)>;
 
-  ReferenceChain(const Workbench& bench, CellStore& store, KeyedCell first, ReadPart read);
+  /// What the EXR of a mean says of itself.
+  using Describe = std::function<Metadata(const PlannedCell&, const Metadata& facts)>;
+
+  ReferenceChain(BenchFacts bench, CellStore& store, KeyedCell first, ReadPart read,
+                 Describe describe);
 
   /// Plans another part of that many rays a pixel.
   void extend(long rays_per_pixel);
@@ -48,9 +52,10 @@ class ReferenceChain {
  private:
   Layers read(std::size_t index);
 
-  const Workbench& bench_;
+  BenchFacts bench_;
   CellStore& store_;
   ReadPart read_part_;
+  Describe describe_;
   std::vector<KeyedCell> parts_;
   std::vector<KeyedCell> means_;  ///< means_[i] is of parts_[0] to parts_[i]
   std::vector<long> rays_;

@@ -8,25 +8,28 @@
 
 namespace occlab {
 
-Measurement shared_facts(const Experiment& experiment, const Workbench& bench) {
+Measurement shared_facts(const BenchPlan& bench, const DeviceInfo& device) {
   Measurement row;
-  row.experiment = experiment.name;
-  row.scene = bench.scene().name;
-  row.view = bench.frame().view.camera.name;
-  row.resolution = fmt::format("{}x{}", experiment.scene.width, experiment.scene.height);
-  row.probe = describe(bench.probe());
-  row.device = fmt::format("{} ({})", bench.device().renderer,
-                           bench.device().software ? "software" : "hardware");
+  row.experiment = bench.experiment.name;
+  row.scene = bench.scene;
+  row.view = bench.facts.view;
+  row.resolution =
+      fmt::format("{}x{}", bench.facts.resolution.width, bench.facts.resolution.height);
+  row.probe = describe(bench.facts.probe);
+  row.device = fmt::format("{} ({})", device.renderer, device.software ? "software" : "hardware");
   return row;
 }
 
-std::string timing_key_of(const Experiment& experiment, const Workbench& bench) {
-  std::string text = fmt::format("{} {} {} {}", renderers_hash, harness_hash,
-                                 bench.device().renderer, bench.device().version);
-  text += fmt::format(" {} {} {}", bench.scene_hash(), bench.frame().view.camera.name,
-                      bench.probe_hash());
+Measurement shared_facts(const Experiment& experiment, const Workbench& bench) {
+  return shared_facts({experiment, bench.scene().name, bench_facts(bench), {}, {}}, bench.device());
+}
+
+std::string timing_key_of(const Experiment& experiment, const BenchFacts& facts) {
+  std::string text =
+      fmt::format("{} {} {} {}", renderers_hash, harness_hash, facts.device, facts.driver);
+  text += fmt::format(" {} {} {}", facts.scene_hash, facts.view, facts.probe_hash);
   text += fmt::format(" {}x{} {}", experiment.scene.width, experiment.scene.height,
-                      describe(bench.probe()));
+                      describe(facts.probe));
   if (const auto& timing = experiment.timing) {
     text += fmt::format(" {} {} {}", timing->baseline, timing->repetitions, timing->budget_seconds);
   }

@@ -7,6 +7,7 @@
 
 #include "harness/progress.h"
 #include "renderers/scene/interrupt.h"
+#include "renderers/scene/parallel.h"
 
 namespace occlab {
 namespace {
@@ -51,9 +52,12 @@ SharedWork::SharedWork(CellStore& store, std::vector<WorkItem> items, const Work
              [this](const std::string& message) { log_.end("failed", message); }) {}
 
 std::size_t SharedWork::make_missing() {
+  std::vector<char> finished(share_.size());
+  parallel_for(share_.size(), [&](std::size_t i) { finished[i] = store_.has(share_[i]->key); });
   std::vector<const WorkItem*> missing;
-  for (const WorkItem* item : share_) {
-    if (store_.has(item->key)) continue;
+  for (std::size_t i = 0; i < share_.size(); ++i) {
+    const WorkItem* const item = share_[i];
+    if (finished[i]) continue;
     const std::string damage = store_.read(item->key).warning;
     if (!damage.empty()) warn_(damage);
     missing.push_back(item);

@@ -91,6 +91,12 @@ std::string first_difference(const Json& stored, const Json& wanted) {
   return "its key is another one";
 }
 
+/// Of all that cell.json says but this checksum itself.
+std::string checksum(Json description) {
+  description.erase("sha256");
+  return sha256_text(description.dump());
+}
+
 /// Compares cell.json with the key and the size of layers.exr; does not read the pixels.
 Inspection inspect(const fs::path& folder, const CellKey& key) {
   using State = Inspection::State;
@@ -125,8 +131,12 @@ Inspection inspect(const fs::path& folder, const CellKey& key) {
   if (stored_facts == description.end() || !stored_facts->is_array() || exr == description.end() ||
       !exr->is_object() || !has("bytes", Json::value_t::number_unsigned) ||
       !has("sha256", Json::value_t::string) || !description.contains("extra") ||
-      !description.contains("metadata") || !description["metadata"].is_object()) {
+      !description.contains("metadata") || !description["metadata"].is_object() ||
+      !description.contains("sha256")) {
     return damaged("cell.json is incomplete");
+  }
+  if (description["sha256"] != checksum(description)) {
+    return damaged("the checksum of cell.json is wrong");
   }
   if (const Json wanted = facts_to_json(key); *stored_facts != wanted) {
     throw InputError(fmt::format(
@@ -181,12 +191,14 @@ void CellKey::add(std::string name, std::string value) {
   assert(!name.empty());
   assert(std::ranges::none_of(facts_, [&](const auto& fact) { return fact.first == name; }));
   facts_.emplace_back(std::move(name), std::move(value));
+  hash_.clear();
 }
 
 // JSON as the text that is hashed: names and values cannot run into each other.
 std::string CellKey::hash() const {
   try {
-    return sha256_text(facts_to_json(*this).dump());
+    if (hash_.empty()) hash_ = sha256_text(facts_to_json(*this).dump());
+    return hash_;
   } catch (const Json::exception& error) {
     throw InputError(fmt::format("a fact of a cell is not UTF-8 text: {}", error.what()));
   }
@@ -225,6 +237,7 @@ fs::path CellStore::write(const CellKey& key, const Layers& layers, const Metada
     description["layers.exr"] = {{"bytes", fs::file_size(exr)}, {"sha256", sha256_file(exr)}};
     description["metadata"] = metadata;
     description["extra"] = extra;
+    description["sha256"] = checksum(description);
     write_text_atomically(temporary / "cell.json", description.dump(2) + "\n");
     publish(folder_, temporary, cell, key);
     sync_path(folder_ / "cells");

@@ -26,10 +26,11 @@ class CellKey {
   /// The cell's name: the first 16 digits of hash().
   std::string id() const { return hash().substr(0, 16); }
 
-  bool operator==(const CellKey&) const = default;
+  bool operator==(const CellKey& other) const { return facts_ == other.facts_; }
 
  private:
   std::vector<std::pair<std::string, std::string>> facts_;
+  mutable std::string hash_;  ///< "" while it was not asked for; a key belongs to one thread
 };
 
 struct StoredCell {

@@ -7,6 +7,7 @@
 #include <sstream>
 #include <tuple>
 
+#include "renderers/scene/confined_path.h"
 #include "renderers/scene/data_root.h"
 #include "renderers/scene/error.h"
 
@@ -169,8 +170,9 @@ ParameterValue TomlTable::parameter_value(const std::string& name, const toml::n
   wrong_type(name, node, "a number or a text");
 }
 
-std::vector<ParameterValue> TomlTable::values(const std::string& name, bool list) {
+std::vector<ParameterValue> TomlTable::values(const std::string& name, bool list, bool repeats) {
   const toml::node& node = require(name, "a value");
+  if (list && node.is_table()) return range(name);
   const toml::array* const array = node.as_array();
   if (!array) return {parameter_value(name, node)};
   if (!list) wrong_type(name, node, "one value; lists are for [[run]] and [timing]");
@@ -178,7 +180,7 @@ std::vector<ParameterValue> TomlTable::values(const std::string& name, bool list
   std::vector<ParameterValue> result;
   for (const toml::node& entry : *array) {
     ParameterValue value = parameter_value(name, entry);
-    if (std::ranges::find(result, value) != result.end()) {
+    if (!repeats && std::ranges::find(result, value) != result.end()) {
       fail(name, fmt::format("{} is listed twice", to_string(value)));
     }
     result.push_back(std::move(value));
@@ -186,12 +188,68 @@ std::vector<ParameterValue> TomlTable::values(const std::string& name, bool list
   return result;
 }
 
-std::string TomlTable::name_or_path(const std::string& name) {
-  const std::string value = text(name);
+std::string TomlTable::name_or_path(const toml::node& node) const {
+  const std::string value = node.as_string()->get();
   if (!is_path(value)) return value;
-  const fs::path base =
-      is_override(*find(name)) ? fs::current_path() : fs::absolute(file_).parent_path();
-  return (base / value).lexically_normal().string();
+  // What the command line says is the user's own word; a file may come from anywhere.
+  if (is_override(node)) return (fs::current_path() / value).lexically_normal().string();
+  return confined_path(fs::absolute(file_).parent_path(), value, where(node)).string();
+}
+
+std::string TomlTable::name_or_path(const std::string& name) {
+  text(name);
+  return name_or_path(*find(name));
+}
+
+bool TomlTable::is_list(const std::string& name) {
+  const toml::node* const node = find(name);
+  return node && (node->is_array() || node->is_table());
+}
+
+std::vector<std::string> TomlTable::names_or_paths(const std::string& name, bool repeats) {
+  if (!is_list(name)) return {name_or_path(name)};
+  const toml::node& node = *find(name);
+  const toml::array* const list = node.as_array();
+  const auto is_text = [](const toml::node& entry) {
+    return entry.is_string() && !entry.as_string()->get().empty();
+  };
+  if (!list || list->empty() || !std::ranges::all_of(*list, is_text)) {
+    wrong_type(name, node, "a text or a list of texts, none of them empty");
+  }
+  std::vector<std::string> result;
+  for (const toml::node& entry : *list) {
+    std::string word = name_or_path(entry);
+    if (!repeats && std::ranges::find(result, word) != result.end()) {
+      fail(name, fmt::format("'{}' is listed twice", word));
+    }
+    result.push_back(std::move(word));
+  }
+  return result;
+}
+
+std::vector<std::vector<std::string>> TomlTable::word_lists(const std::string& name) {
+  std::vector<std::vector<std::string>> result;
+  if (!has(name)) return result;
+  const toml::node& node = *find(name);
+  const toml::array* const lists = node.as_array();
+  const auto is_pair = [](const toml::node& entry) {
+    const toml::array* const words = entry.as_array();
+    return words && words->size() >= 2 && words->is_homogeneous<std::string>();
+  };
+  if (!lists || lists->empty() || !std::ranges::all_of(*lists, is_pair)) {
+    wrong_type(name, node, "a list of lists of at least two texts");
+  }
+  std::set<std::string> seen;
+  for (const toml::node& words : *lists) {
+    result.emplace_back();
+    for (const toml::node& word : *words.as_array()) {
+      result.back().push_back(word.as_string()->get());
+      if (!seen.insert(result.back().back()).second) {
+        fail(name, fmt::format("'{}' is there twice", result.back().back()));
+      }
+    }
+  }
+  return result;
 }
 
 TomlTable TomlTable::table(const std::string& name) {

@@ -47,11 +47,19 @@ class TomlTable {
     bool whole = false;
   };
   Numbers numbers(const std::string& name, std::size_t count);
-  /// One parameter value, or a list of different ones where `list` is set.
-  std::vector<ParameterValue> values(const std::string& name, bool list);
+  /// One parameter value; where `list` is set also a list of them, which are different unless
+  /// `repeats` is set, or a range {from, to, step} or {from, to, factor} (toml_ranges.cpp).
+  std::vector<ParameterValue> values(const std::string& name, bool list, bool repeats = false);
   /// A text that may be a path (is_path): then absolute, relative paths being relative to the
   /// file's folder, or to the current folder where an override gave it.
   std::string name_or_path(const std::string& name);
+  /// The same of a text or a list of them, which are different unless `repeats` is set.
+  std::vector<std::string> names_or_paths(const std::string& name, bool repeats);
+  /// Whether the key has a list or a table: more than one value.
+  bool is_list(const std::string& name);
+  /// A list of lists of at least two texts, none of which is there twice; empty where the key is
+  /// absent.
+  std::vector<std::vector<std::string>> word_lists(const std::string& name);
 
   TomlTable table(const std::string& name);
   /// A list of tables that is not empty.
@@ -75,6 +83,8 @@ class TomlTable {
   [[noreturn]] void wrong_type(const std::string& name, const toml::node& found,
                                std::string_view accepted) const;
   ParameterValue parameter_value(const std::string& name, const toml::node& node) const;
+  std::string name_or_path(const toml::node& node) const;
+  std::vector<ParameterValue> range(const std::string& name);
 
   const toml::table* table_;
   std::string key_;

@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "harness/files.h"
+#include "renderers/scene/confined_path.h"
 #include "renderers/scene/data_root.h"
 #include "renderers/scene/error.h"
 
@@ -16,22 +19,32 @@ ProbeSettings scene_probe(const Scene& scene) {
   if (!scene.environment) return {};
   const SceneEnvironment& environment = *scene.environment;
   ProbeSettings probe;
-  const std::filesystem::path beside = scene.path.parent_path() / environment.probe;
-  probe.source = std::filesystem::exists(beside) ? beside.string() : environment.probe;
+  probe.source = environment.probe;
+  if (is_path(environment.probe)) {
+    const std::string where = scene.path.string() + ": extras.occlab.world.probe";
+    probe.source = confined_path(scene.path.parent_path(), environment.probe, where).string();
+  }
   probe.rotation_degrees = environment.rotation_degrees;
   probe.exposure_stops = std::log2(environment.strength);
   return probe;
 }
 
-Environment load_light(const Scene& scene, const ProbeSettings& probe) {
-  if (!probe.source.empty()) return load_environment(probe);
-  if (scene.lights.empty()) {
-    throw InputError(
-        fmt::format("{}: nothing lights the scene: it has no lights and no world "
-                    "environment, and no probe was named",
-                    scene.path.string()));
-  }
-  return constant_environment(glm::vec3(0.0f));
+constexpr std::size_t most_probe_bytes = std::size_t(256) << 20;
+
+std::size_t bytes_of(const Environment& environment) {
+  return environment.texels.values().size_bytes();
+}
+
+}  // namespace
+
+LoadedScene load(const std::string& source) {
+  LoadedScene loaded{source, load_scene(scene_path(source)), ""};
+  loaded.hash = sha256_file(loaded.scene.path);
+  return loaded;
+}
+
+ProbeSettings probe_of(const ViewSettings& settings, const Scene& scene) {
+  return settings.probe ? *settings.probe : scene_probe(scene);
 }
 
 std::string hash_probe(const ProbeSettings& probe) {
@@ -42,22 +55,70 @@ std::string hash_probe(const ProbeSettings& probe) {
   return sha256_file(probe.source);
 }
 
-}  // namespace
+std::shared_ptr<Equipment::SceneInUse> Equipment::scene_in_use(const std::string& source) {
+  if (scene_ && scene_->loaded.source == source) return scene_;
+  // Two scenes are never in memory at once.
+  made_.reset();
+  scene_.reset();
+  scene_ = std::make_shared<SceneInUse>(SceneInUse{load(source), std::nullopt});
+  return scene_;
+}
 
-Workbench::Workbench(const ViewSettings& settings, const std::string& device)
-    : context_(device),
-      scene_(load_scene(scene_path(settings.scene))),
-      probe_(settings.probe ? *settings.probe : scene_probe(scene_)),
-      scene_hash_(sha256_file(scene_.path)) {
-  const View view{find_camera(scene_, settings.view), settings.width, settings.height};
-  Lighting lighting(load_light(scene_, probe_), scene_.lights, view);
-  probe_hash_ = hash_probe(probe_);  // after load_light, which says what is wrong with the name
-  gpu_scene_.emplace(scene_);
-  frame_.emplace(Frame{.scene = scene_,
-                       .gpu_scene = *gpu_scene_,
-                       .view = view,
-                       .lighting = std::move(lighting),
-                       .programs = programs_});
+const Equipment::LoadedProbe& Equipment::probe(const ProbeSettings& settings) {
+  const auto known = std::ranges::find_if(probes_, [&](const LoadedProbe& probe) {
+    return probe.settings.source == settings.source &&
+           probe.settings.rotation_degrees == settings.rotation_degrees &&
+           probe.settings.exposure_stops == settings.exposure_stops &&
+           probe.settings.prefilter_degrees == settings.prefilter_degrees;
+  });
+  if (known != probes_.end()) return *known;
+  LoadedProbe loaded{settings, load_environment(settings), ""};
+  loaded.hash = hash_probe(settings);  // after loading, which says what is wrong with the name
+  std::size_t bytes = bytes_of(loaded.environment);
+  for (const LoadedProbe& probe : probes_) bytes += bytes_of(probe.environment);
+  while (!probes_.empty() && bytes > most_probe_bytes) {
+    bytes -= bytes_of(probes_.front().environment);
+    probes_.erase(probes_.begin());
+  }
+  probes_.push_back(std::move(loaded));
+  return probes_.back();
+}
+
+Workbench::Workbench(const ViewSettings& settings, std::shared_ptr<Equipment> equipment)
+    : equipment_(std::move(equipment)),
+      scene_(equipment_->scene_in_use(settings.scene)),
+      probe_(probe_of(settings, scene())) {
+  const View view{find_camera(scene(), settings.view), settings.width, settings.height};
+  if (probe_.source.empty() && scene().lights.empty()) {
+    throw InputError(
+        fmt::format("{}: nothing lights the scene: it has no lights and no world "
+                    "environment, and no probe was named",
+                    scene().path.string()));
+  }
+  Lighting lighting(
+      probe_.source.empty() ? constant_environment(glm::vec3(0.0f)) : equipment_->probe(probe_),
+      scene().lights, view);
+  probe_hash_ = hash_probe(probe_);  // after the light, which says what is wrong with the name
+  frame_ = std::make_unique<Frame>(Frame{.scene = scene(),
+                                         .gpu_scene = *scene_->gpu,
+                                         .view = view,
+                                         .lighting = std::move(lighting),
+                                         .programs = equipment_->programs_});
+  if (auto made = std::exchange(equipment_->made_, std::nullopt)) {
+    frame_->made.traced = std::move(made->made.traced);
+    if (made->view == view.camera.name && made->width == view.width &&
+        made->height == view.height) {
+      frame_->made = Frame::Made{std::move(made->made.gbuffers), std::move(made->made.surfaces),
+                                 std::move(frame_->made.traced)};
+    }
+  }
+}
+
+Workbench::~Workbench() {
+  if (!frame_) return;  // moved from
+  const View& view = frame_->view;
+  equipment_->made_.emplace(
+      Equipment::MadeFrame{view.camera.name, view.width, view.height, std::move(frame_->made)});
 }
 
 std::string describe(const ProbeSettings& probe) {

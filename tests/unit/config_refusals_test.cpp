@@ -108,7 +108,7 @@ TEST_F(ConfigTest, WrongTypesAndRanges) {
                at(20, "run[0].samples") + "16 is listed twice");
   EXPECT_ERROR(changed("samples = [16, 8]", "samples = [16, [8]]"), at(20, "run[0].samples"));
   EXPECT_ERROR(changed("samples = [16, 8]", "samples = {a = 1}"),
-               at(20, "run[0].samples") + "found a table");
+               at(20, "run[0].samples.a") + "unknown; accepted: factor, step, from, to");
   EXPECT_ERROR(changed("seeds = 3", "seeds = 0"), at(21, "run[0].seeds"));
   EXPECT_ERROR(changed("repetitions = 5", "repetitions = 2"), at(26, "timing.repetitions"));
   EXPECT_ERROR(changed("budget_seconds = 2", "budget_seconds = 0"),

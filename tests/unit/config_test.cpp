@@ -21,10 +21,10 @@ TEST_F(ConfigTest, ReadsEverything) {
   EXPECT_FLOAT_EQ(e.probe->prefilter_degrees, 3.0f);
   EXPECT_FLOAT_EQ(e.probe->exposure_stops, 0.0f);
   ASSERT_EQ(e.runs.size(), 1u);
-  EXPECT_EQ(e.runs[0].seeds, 3);
-  ASSERT_EQ(e.runs[0].axes.size(), 2u);
-  EXPECT_EQ(e.runs[0].axes[0].parameter, "steps") << "file order, not the alphabet's";
-  EXPECT_EQ(e.runs[0].axes[1].parameter, "samples");
+  EXPECT_EQ(e.runs[0].seeds, (std::vector<long>{0, 1, 2}));
+  ASSERT_EQ(e.runs[0].grid.axes.size(), 2u);
+  EXPECT_EQ(e.runs[0].grid.axes[0].parameter, "steps") << "file order, not the alphabet's";
+  EXPECT_EQ(e.runs[0].grid.axes[1].parameter, "samples");
   ASSERT_TRUE(e.timing);
   EXPECT_EQ(e.timing->baseline, "ssao");
   EXPECT_EQ(e.timing->repetitions, 5);
@@ -132,8 +132,8 @@ TEST_F(ConfigTest, Overrides) {
              "figure[1].rows[0].rectangle=[0.0,0.0,1.0,1.0]", "run[0].samples[0]=32",
              "figure[1].rows[1].samples=8", "figure[0].samples=32", "figure[2].samples=32"});
   EXPECT_EQ(e.scene.width, 1280);
-  EXPECT_EQ(e.runs[0].seeds, 2);
-  EXPECT_EQ(e.runs[0].axes[0].parameter, "steps") << "an override does not reorder the axes";
+  EXPECT_EQ(e.runs[0].seeds.size(), 2u);
+  EXPECT_EQ(e.runs[0].grid.axes[0].parameter, "steps") << "an override does not reorder the axes";
   EXPECT_EQ(e.probe->source, "cathedral");
   EXPECT_FLOAT_EQ(e.probe->exposure_stops, -1.5f);
   EXPECT_EQ(e.figures[1].rows[0].rectangle.width, 1280);
