@@ -98,8 +98,8 @@ double estimated_seconds(const PlannedCell& cell, int width, int height) {
   const double pixels = double(width) * double(height);
   const ParameterSet& parameters = cell.parameters;
   const double samples = integer_or(parameters, "samples", 0.0);
-  const double rays =
-      integer_or(parameters, "rays_per_pixel", 0.0) + (traces(parameters) ? samples : 0.0);
+  const bool traced = parameters.has("visibility") && traces(parameters);
+  const double rays = integer_or(parameters, "rays_per_pixel", 0.0) + (traced ? samples : 0.0);
   return seconds_per_cell +
          pixels * (seconds_per_pixel + rays * seconds_per_ray +
                    samples * integer_or(parameters, "steps", 1.0) * seconds_per_march_point);
