@@ -329,7 +329,9 @@ class SceneLoader {
     }
     scene_.bounds_min = all.low;
     scene_.bounds_max = all.high;
-    if (!std::isfinite(scene_.bounding_radius())) {
+    // Squares of distances must be floats, too, also of scenes far from the origin.
+    if (!std::isfinite(scene_.bounding_radius()) || !std::isfinite(glm::length(all.low)) ||
+        !std::isfinite(glm::length(all.high))) {
       throw InputError(
           fmt::format("{}: the scene's size is beyond the range of float", file_.path().string()));
     }
@@ -337,8 +339,12 @@ class SceneLoader {
 
   void finish_cameras() {
     for (Camera& camera : scene_.cameras) {
-      if (camera.zfar != 0.0f) continue;
       const glm::vec3 eye(camera.world_from_camera[3]);
+      if (!std::isfinite(glm::length(eye))) {
+        throw InputError(fmt::format("{}: the place of camera '{}' is beyond the range of float",
+                                     file_.path().string(), camera.name));
+      }
+      if (camera.zfar != 0.0f) continue;
       const glm::vec3 farthest =
           glm::max(glm::abs(scene_.bounds_min - eye), glm::abs(scene_.bounds_max - eye));
       camera.zfar = std::max(1.01f * glm::length(farthest), 2.0f * camera.znear);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <map>
+#include <optional>
 
 #include "renderers/scene/error.h"
 
@@ -80,6 +82,41 @@ std::uint64_t tile_pixels(Cursor cursor) {
   return saturating_multiply(width, cursor.little_endian());
 }
 
+/// The sizes of attributes that OpenEXR reads without looking at the size that the file states.
+/// From there on it would take pixels for attributes.
+std::optional<std::uint64_t> fixed_size(const std::string& type) {
+  static const std::map<std::string, std::uint64_t> sizes = {
+      {"box2f", 16},      {"box2i", 16},  {"chromaticities", 32},
+      {"compression", 1}, {"double", 8},  {"envmap", 1},
+      {"float", 4},       {"int", 4},     {"keycode", 28},
+      {"lineOrder", 1},   {"m33d", 72},   {"m33f", 36},
+      {"m44d", 128},      {"m44f", 64},   {"rational", 8},
+      {"tiledesc", 9},    {"v2d", 16},    {"v2f", 8},
+      {"v2i", 8},         {"v3d", 24},    {"v3f", 12},
+      {"v3i", 12},        {"timecode", 8}};
+  const auto found = sizes.find(type);
+  return found == sizes.end() ? std::nullopt : std::optional(found->second);
+}
+
+/// The bytes that OpenEXR will read for a value of this type.
+std::uint64_t size_read(Cursor cursor, const std::string& type, std::uint64_t stated) {
+  if (const auto fixed = fixed_size(type)) return *fixed;
+  const std::uint64_t before = cursor.rest();
+  if (type == "chlist") {
+    while (!cursor.text().empty()) cursor.skip(16);
+  } else if (type == "preview") {
+    const std::uint64_t pixels = cursor.little_endian();
+    cursor.skip(saturating_multiply(saturating_multiply(pixels, cursor.little_endian()), 4));
+  } else if (type == "stringvector") {
+    while (before - cursor.rest() < stated) cursor.skip(cursor.little_endian());
+  } else if (type == "idmanifest") {
+    cursor.fail("ID manifests are not accepted");
+  } else {
+    return stated;
+  }
+  return before - cursor.rest();
+}
+
 /// One attribute after its name.
 void check_attribute(Cursor& cursor, const std::string& name, Limit most_pixels,
                      const std::string& where) {
@@ -88,6 +125,10 @@ void check_attribute(Cursor& cursor, const std::string& name, Limit most_pixels,
   if (size > cursor.rest()) {
     cursor.fail(fmt::format("the attribute '{}' of its header says {} bytes; the file has {} more",
                             name, size, cursor.rest()));
+  }
+  if (size_read(cursor, type, size) != size) {
+    cursor.fail(fmt::format("the attribute '{}' of its header says {} bytes; a {} has {}", name,
+                            size, type, size_read(cursor, type, size)));
   }
   if (name == "dataWindow") {
     require_within(most_pixels, window_pixels(cursor), "pixels", where);

@@ -29,7 +29,7 @@ def write(kind, name, data):
 def oiiotool(suffix, *arguments):
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder) / f"image{suffix}"
-        subprocess.run(["oiiotool", *arguments, "-o", str(path)], check=True)
+        subprocess.run(["oiiotool", "--nosoftwareattrib", *arguments, "-o", str(path)], check=True)
         return path.read_bytes()
 
 

@@ -56,6 +56,19 @@ TEST_F(HostileImages, ExrAttributesLieWithinTheFile) {
   expect_refused(exr(std::string(300, 'a')), "name in its header is too long");
 }
 
+TEST_F(HostileImages, ExrAttributesHaveTheSizesOfTheirTypes) {
+  // OpenEXR would read on where the value ends, not where the file says that it does.
+  expect_refused(exr(attribute("compression", "compression", "1234567")), "a compression has 1");
+  expect_refused(exr(attribute("a", "v2f", "1234")), "a v2f has 8");
+  const std::string channel = std::string("R") + '\0' + std::string(16, '\0');
+  expect_refused(exr(attribute("channels", "chlist", channel + '\0' + "rest")), "a chlist has 19");
+  expect_refused(exr(attribute("channels", "chlist", channel)), "ends too early");
+  expect_refused(exr(attribute("preview", "preview", u32(60000) + u32(60000))), "ends too early");
+  expect_refused(exr(attribute("a", "stringvector", u32(2'000'000'000))), "ends too early");
+  expect_refused(exr(attribute("a", "stringvector", u32(1) + "a" + u32(9) + "b")),
+                 "ends too early");
+}
+
 TEST_F(HostileImages, ExrSizesAreJudgedBeforeOpenExrSeesThem) {
   expect_refused(exr(window(0x7ffffffe, 0x7ffffffe)), "pixels; accepted: up to 268435456");
   expect_refused(exr(window(20000, 20000)), "limit image_pixels");

@@ -202,6 +202,8 @@ TEST_F(HostileScenes, NumbersBeyondFloatAreRefused) {
   refused("/scenes/0/extras",
           {{"occlab", {{"format", 1}, {"world", {{"probe", "a"}, {"strength", 1e300}}}}}},
           "world.strength: found 1e+300");
+  refused("/nodes/0/translation", {1e30, 0, 0}, "size is beyond the range of float");
+  refused("/nodes/1/translation", {1e30, 0, 0}, "camera 'eye' is beyond the range of float");
   TinyGltf gltf = tiny_triangle();
   const float huge = 1e38f;
   std::memcpy(&gltf.binary[36], &huge, 4);  // x of normal 0

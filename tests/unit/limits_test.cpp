@@ -1,7 +1,9 @@
 #include "renderers/scene/limits.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <limits>
 
 #include "tests/unit/tiny_scenes.h"
@@ -27,6 +29,16 @@ TEST(Limits, RefuseWhatIsNoLimit) {
   for (const char* text : {"instances", "instances=", "instances=-1", "instances=1e6", "=3",
                            "instances=99999999999999999999999", "instances=1 ", ",,"}) {
     test::expect_error<InputError>([&] { set_limits(text); }, {"limits: "});
+  }
+}
+
+TEST(Limits, AreDocumentedAsDeclared) {
+  const std::string text =
+      test::read_bytes(std::filesystem::path(OCCLAB_SOURCE_DIR) / "docs" / "robustness.md");
+  for (const LimitInfo& info : limits()) {
+    const std::string row =
+        fmt::format("| `{}` | {} | {} |\n", info.name, info.default_value, info.what);
+    EXPECT_NE(text.find(row), std::string::npos) << row;
   }
 }
 
