@@ -40,3 +40,25 @@ export function toNumber(value: number | string | undefined): number {
   if (typeof value === "number") return value;
   return value === "inf" ? Infinity : value === "-inf" ? -Infinity : NaN;
 }
+
+/** 1, 2 or 5 times a power of ten, about `count` of them. */
+export function niceTicks(low: number, high: number, count: number): number[] {
+  if (!(high > low)) return [low];
+  const rough = (high - low) / count, power = 10 ** Math.floor(Math.log10(rough));
+  const step = power * ([1, 2, 5].find((factor) => factor * power >= rough) ?? 10);
+  const ticks: number[] = [];
+  for (let i = Math.ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; ++i) ticks.push(Number((i * step).toPrecision(12)));
+  return ticks;
+}
+
+/** Of a logarithmic axis: powers of ten, with 2 and 5 times these below two decades; niceTicks() below one. */
+export function logTicks(low: number, high: number): number[] {
+  if (!(low > 0) || !(high > low)) return low > 0 ? [low] : [];
+  const decades = Math.log10(high / low);
+  if (decades < 1) return niceTicks(low, high, 6).filter((tick) => tick > 0);
+  const ticks: number[] = [];
+  for (let power = Math.floor(Math.log10(low)); power <= Math.log10(high); ++power) {
+    for (const factor of decades < 2.5 ? [1, 2, 5] : [1]) ticks.push(Number((factor * 10 ** power).toPrecision(12)));
+  }
+  return ticks.filter((tick) => tick >= low && tick <= high);
+}

@@ -3,7 +3,7 @@ import * as Plot from "@observablehq/plot";
 import { Data, fact } from "./data";
 import { h, section } from "./dom";
 import { rootFontSize } from "./layout";
-import { short } from "./numbers";
+import { logTicks, short } from "./numbers";
 import { Drawn, plotFrame, symbols } from "./plot_frame";
 import { Point, Points, forScreen } from "./points";
 
@@ -44,8 +44,11 @@ function unit(data: Data, metric: string): string {
   return known?.unit ? ` (${known.unit})` : "";
 }
 
-/** Of a logarithmic axis: given a format's name instead, the scale labels powers of ten alone. */
-const plain = (value: number): string => String(Number(value.toPrecision(3)));
+/** The axis of a logarithmic scale over some numbers. Left to itself, the scale labels few or none within a decade. */
+function logAxis(axis: "x" | "y", numbers: number[]): Plot.Markish[] {
+  const ticks = logTicks(Math.min(...numbers), Math.max(...numbers)), text = (value: number) => String(Number(value.toPrecision(3)));
+  return axis === "x" ? [Plot.gridX(ticks), Plot.axisX(ticks, { text })] : [Plot.gridY(ticks), Plot.axisY(ticks, { text })];
+}
 
 const stages: [string, string][] = [["filtered", "after the filter"], ["unfiltered", "before the filter"]];
 
@@ -81,9 +84,10 @@ function pareto(points: Points): HTMLElement | null {
     const label = (pair: Point) => (short ? pair.label.replace(/^.* /, "") : pair.label);
     return draw(points, pairs, `${short ? `Numbers: ${labelled[0]}. ` : ""}Line: the Pareto front, what no other point is both faster and better than. Whiskers: 95% interval over the seeds, quartiles of the times. Clock: ${fact(points.data, "timing", "clock")}.`,
       width, {
-        x: { type: "log", label: `${chosen.pass} time (ms)`, ticks: 6, tickFormat: plain },
+        x: { type: "log", label: `${chosen.pass} time (ms)`, grid: false },
         y: { label: `${chosen.error}${unit(points.data, chosen.error!)}, ${lower ? "lower" : "higher"} is better`, nice: true },
         marks: [
+          ...logAxis("x", pairs.flatMap(({ fastest, slowest }) => [fastest, slowest])),
           Plot.line(front(pairs, lower), { x: "time", y: "value", stroke: "currentColor", strokeDasharray: "4 3", curve: "step-after" }),
           Plot.ruleX(pairs, { x: "time", y1: "lower", y2: "upper", stroke: "method" }),
           Plot.ruleY(pairs, { y: "value", x1: "fastest", x2: "slowest", stroke: "method" }),
@@ -204,8 +208,8 @@ function scaling(points: Points): HTMLElement | null {
     const data = points.curves(points.of(`time_ms.${chosen.pass}`), chosen.against!);
     return draw(points, data, `Medians with quartiles, both axes logarithmic: a straight line of slope 1 is in proportion. Clock: ${fact(points.data, "timing", "clock")}.`, width, {
       x: { type: "log", label: chosen.against === "resolution" ? "pixels" : chosen.against, ticks: axisTicks(data), tickFormat: "~s" },
-      y: { type: "log", label: `${chosen.pass} time (ms)`, tickFormat: plain, ticks: 6 },
-      marks: curveMarks(data),
+      y: { type: "log", label: `${chosen.pass} time (ms)`, grid: false },
+      marks: [...logAxis("y", data.flatMap(({ lower, upper }) => [lower, upper])), ...curveMarks(data)],
     });
   });
 }
@@ -218,8 +222,9 @@ function spectra(points: Points): HTMLElement | null {
     points.of(`${kind}.${frequency}`, stage).map((point) => ({ ...point, along: Number(frequency), curve: `${point.name} ${point.label}` }))).sort((a, b) => a.along - b.along);
   return plotFrame("spectra", "Power spectra", { spectrum: kinds.map((kind) => [kind, kind.replaceAll("_", " ")]), stage: stages }, (chosen, width) => {
     const data = ofKind(chosen.spectrum!, chosen.stage).filter(({ along, value }) => along > 0 && value > 0);
-    return draw(points, data, "Mean power over all directions of a frequency; flat is white noise.", width, {
-      x: { type: "log", label: "cycles per pixel", tickFormat: "~g" }, y: { type: "log", label: "power", tickFormat: "~e" }, marks: curveMarks(data),
+    return draw(points, data, "Mean power over all directions of a frequency; flat is white noise. Over all frequencies its mean is the luminance's noise\u00b2.", width, {
+      x: { type: "log", label: "cycles per pixel", grid: false }, y: { type: "log", label: "power (mean luminance\u00b2)", grid: false },
+      marks: [...logAxis("x", data.map(({ along }) => along)), ...logAxis("y", data.flatMap(({ lower, upper }) => [lower, upper])), ...curveMarks(data)],
     });
   });
 }

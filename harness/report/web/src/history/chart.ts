@@ -1,9 +1,9 @@
 // One series over the commits: a few SVG nodes, however many runs there are.
 import { svg } from "../dom";
-import { short } from "../numbers";
+import { niceTicks, short } from "../numbers";
 import { History, Step, Values, dateOf } from "./data";
 import { Palette, colourOf, signs } from "./palette";
-import { Columns, columnsOf, extent, niceTicks } from "./sampling";
+import { Columns, columnsOf, extent } from "./sampling";
 
 export interface View {
   series: number; from: number; to: number; // indices of runs

@@ -40,13 +40,3 @@ export function lastMeasured(values: Values, series: number, run: number): numbe
   while (run >= 0 && Number.isNaN(values.value[series * values.runs + run]!)) --run;
   return run;
 }
-
-/** 1, 2 or 5 times a power of ten, about `count` of them. */
-export function niceTicks(low: number, high: number, count: number): number[] {
-  if (!(high > low)) return [low];
-  const rough = (high - low) / count, power = 10 ** Math.floor(Math.log10(rough));
-  const step = power * ([1, 2, 5].find((factor) => factor * power >= rough) ?? 10);
-  const ticks: number[] = [];
-  for (let i = Math.ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; ++i) ticks.push(Number((i * step).toPrecision(12)));
-  return ticks;
-}
