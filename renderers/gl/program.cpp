@@ -5,6 +5,7 @@
 #include <glm/gtc/type_ptr.hpp>
 
 #include "renderers/gl/context.h"
+#include "renderers/gl/gbuffer.h"
 #include "renderers/scene/error.h"
 
 namespace occlab {
@@ -50,6 +51,9 @@ Program::Program(std::string_view vertex_path, std::string_view fragment_path,
   glAttachShader(object_.id(), vertex.id());
   glAttachShader(object_.id(), fragment.id());
   glLinkProgram(object_.id());
+  // Attached, they would live as long as the program.
+  glDetachShader(object_.id(), vertex.id());
+  glDetachShader(object_.id(), fragment.id());
   GLint linked = 0;
   glGetProgramiv(object_.id(), GL_LINK_STATUS, &linked);
   if (!linked) {
@@ -99,13 +103,13 @@ const Program& ProgramCache::get(std::string_view vertex_path, std::string_view 
 
 void draw_fullscreen() {
   // Core profile wants a vertex array even for a triangle that has no attributes.
-  GLuint vertex_array = 0;
-  glCreateVertexArrays(1, &vertex_array);
-  glBindVertexArray(vertex_array);
+  GLuint id = 0;
+  glCreateVertexArrays(1, &id);
+  const GlObject<delete_vertex_array> vertex_array(id);
+  glBindVertexArray(id);
   glDisable(GL_DEPTH_TEST);
   glDisable(GL_BLEND);
   glDrawArrays(GL_TRIANGLES, 0, 3);
-  glDeleteVertexArrays(1, &vertex_array);
 }
 
 }  // namespace occlab

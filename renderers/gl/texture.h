@@ -2,6 +2,7 @@
 
 #include <epoxy/gl.h>
 
+#include <atomic>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -11,23 +12,37 @@
 
 namespace occlab {
 
+/// How many objects OpenGL gave us and has not got back, of all kinds: 0 when a context ends.
+inline std::atomic<long> live_gl_objects{0};
+
 /// A number OpenGL gave us, deleted with its owner.
 template <auto Delete>
 class GlObject {
  public:
   GlObject() = default;
-  explicit GlObject(GLuint id) : id_(id) {}
+  explicit GlObject(GLuint id) : id_(id) { count(1); }
   ~GlObject() {
     if (id_) Delete(id_);
+    count(-1);
   }
+  GlObject(const GlObject&) = delete;
+  GlObject& operator=(const GlObject&) = delete;
   GlObject(GlObject&& other) noexcept : id_(std::exchange(other.id_, 0)) {}
   GlObject& operator=(GlObject&& other) noexcept {
     std::swap(id_, other.id_);
     return *this;
   }
   GLuint id() const { return id_; }
+  /// How many of this kind there are.
+  static long live() { return live_; }
 
  private:
+  void count(long change) const {
+    if (!id_) return;
+    live_ += change;
+    live_gl_objects += change;
+  }
+  inline static std::atomic<long> live_{0};
   GLuint id_ = 0;
 };
 
