@@ -41,6 +41,7 @@ class Limits(CliTest):
             image = png(10000, 10000)
             view = {"buffer": 0, "byteOffset": len(blob), "byteLength": len(image)}
             blob.extend(image + bytes(-len(image) % 4))
+            document["buffers"][0]["byteLength"] = len(blob)
             document["bufferViews"].append(view)
             document["images"] = [{"bufferView": len(document["bufferViews"]) - 1}]
             document["textures"] = [{"source": 0}]
