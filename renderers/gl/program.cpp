@@ -24,8 +24,7 @@ std::string shader_log(GLuint id) {
   return log;
 }
 
-Shader compile(GLenum stage, std::string_view path, std::string_view preamble) {
-  const ShaderSource source = expand_shader(path, preamble);
+Shader compile(GLenum stage, const ShaderSource& source) {
   Shader shader(glCreateShader(stage));
   const char* text = source.text.c_str();
   glShaderSource(shader.id(), 1, &text, nullptr);
@@ -33,7 +32,7 @@ Shader compile(GLenum stage, std::string_view path, std::string_view preamble) {
   GLint compiled = 0;
   glGetShaderiv(shader.id(), GL_COMPILE_STATUS, &compiled);
   if (!compiled) {
-    throw DeviceError(fmt::format("{} does not compile:\n{}", path,
+    throw DeviceError(fmt::format("{} does not compile:\n{}", source.files.front(),
                                   locate_messages(shader_log(shader.id()), source.files)));
   }
   return shader;
@@ -45,22 +44,25 @@ void delete_program(GLuint id) { glDeleteProgram(id); }
 
 Program::Program(std::string_view vertex_path, std::string_view fragment_path,
                  std::string_view preamble)
+    : Program(expand_shader(vertex_path, preamble), expand_shader(fragment_path, preamble)) {}
+
+Program::Program(const ShaderSource& vertex, const ShaderSource& fragment)
     : object_(glCreateProgram()) {
-  const Shader vertex = compile(GL_VERTEX_SHADER, vertex_path, preamble);
-  const Shader fragment = compile(GL_FRAGMENT_SHADER, fragment_path, preamble);
-  glAttachShader(object_.id(), vertex.id());
-  glAttachShader(object_.id(), fragment.id());
+  const Shader vertex_shader = compile(GL_VERTEX_SHADER, vertex);
+  const Shader fragment_shader = compile(GL_FRAGMENT_SHADER, fragment);
+  glAttachShader(object_.id(), vertex_shader.id());
+  glAttachShader(object_.id(), fragment_shader.id());
   glLinkProgram(object_.id());
   // Attached, they would live as long as the program.
-  glDetachShader(object_.id(), vertex.id());
-  glDetachShader(object_.id(), fragment.id());
+  glDetachShader(object_.id(), vertex_shader.id());
+  glDetachShader(object_.id(), fragment_shader.id());
   GLint linked = 0;
   glGetProgramiv(object_.id(), GL_LINK_STATUS, &linked);
   if (!linked) {
     std::string log(4096, '\0');
     glGetProgramInfoLog(object_.id(), GLsizei(log.size()), nullptr, log.data());
-    throw DeviceError(
-        fmt::format("{} with {} does not link:\n{}", vertex_path, fragment_path, log.c_str()));
+    throw DeviceError(fmt::format("{} with {} does not link:\n{}", vertex.files.front(),
+                                  fragment.files.front(), log.c_str()));
   }
 }
 
@@ -87,6 +89,10 @@ void Program::set(const char* name, const glm::mat4& value) const {
 
 void Program::bind_texture(GLuint unit, const Texture& texture) {
   glBindTextureUnit(unit, texture.id());
+}
+
+void Program::bind_texels(GLuint unit, const TexelBuffer& texels) {
+  glBindTextureUnit(unit, texels.id());
 }
 
 void Program::bind_uniform_buffer(GLuint binding, const Buffer& buffer) {

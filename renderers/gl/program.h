@@ -37,6 +37,8 @@ class Program {
  public:
   /// Throws DeviceError with the compiler's messages on the original files and lines.
   Program(std::string_view vertex_path, std::string_view fragment_path, std::string_view preamble);
+  /// The same of sources that are expanded already.
+  Program(const ShaderSource& vertex, const ShaderSource& fragment);
 
   void use() const { glUseProgram(object_.id()); }
 
@@ -49,6 +51,7 @@ class Program {
   void set(const char* name, const glm::mat4& value) const;
   /// Binds a texture to the unit the shader's layout(binding) names.
   static void bind_texture(GLuint unit, const Texture& texture);
+  static void bind_texels(GLuint unit, const TexelBuffer& texels);
   static void bind_uniform_buffer(GLuint binding, const Buffer& buffer);
 
  private:

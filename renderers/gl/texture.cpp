@@ -153,4 +153,13 @@ Buffer::Buffer(const void* data, std::size_t bytes) {
   check_gl("filling a buffer");
 }
 
+TexelBuffer::TexelBuffer(GLenum internal_format, const void* data, std::size_t bytes)
+    : buffer_(data, bytes) {
+  GLuint id = 0;
+  glCreateTextures(GL_TEXTURE_BUFFER, 1, &id);
+  texture_ = GlObject<delete_texture>(id);
+  glTextureBuffer(id, internal_format, buffer_.id());
+  check_gl("making a texel buffer");
+}
+
 }  // namespace occlab

@@ -111,4 +111,15 @@ class Buffer {
   GlObject<delete_buffer> object_;
 };
 
+/// A row of texels that is written once: a buffer that shaders fetch from by index.
+class TexelBuffer {
+ public:
+  TexelBuffer(GLenum internal_format, const void* data, std::size_t bytes);
+  GLuint id() const { return texture_.id(); }
+
+ private:
+  Buffer buffer_;
+  GlObject<delete_texture> texture_;
+};
+
 }  // namespace occlab

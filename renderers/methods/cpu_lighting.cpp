@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "renderers/shared/equirect.h"
+#include "renderers/shared/octahedral.h"
 
 namespace occlab {
 namespace {
@@ -27,8 +28,8 @@ glm::vec3 bilinear(const Image& image, glm::vec2 uv) {
   return glm::mix(above, below, share.y);
 }
 
-/// shared/octahedral.h's octahedral_uv(), for eight of the directions and without branches, and the
-/// texels that it falls into.
+/// shared/octahedral.h's octahedral_texel() of its octahedral_uv(), as an index, for eight of the
+/// directions and without branches.
 Int8 octahedral_index8(const glm::mat3& m, const Lanes3& direction, int half, int side) {
   const Float8 dx = load8(direction.x, half);
   const Float8 dy = load8(direction.y, half);
@@ -43,9 +44,9 @@ Int8 octahedral_index8(const glm::mat3& m, const Lanes3& direction, int half, in
     const Float8 size = 1.0f - abs8(other);
     return own < 0.0f ? -size : size;
   };
+  const float scale_to_texels = octahedral_scale(side);
   const auto texel = [&](Float8 p) {
-    const Int8 i = __builtin_convertvector((0.5f + 0.5f * p) * float(side), Int8);
-    return i < side - 1 ? i : Int8{} + (side - 1);
+    return __builtin_convertvector((0.5f + 0.5f * p) * scale_to_texels, Int8);
   };
   return texel(y < 0.0f ? folded(px, pz) : pz) * side + texel(y < 0.0f ? folded(pz, px) : px);
 }

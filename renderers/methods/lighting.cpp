@@ -1,13 +1,11 @@
 #include "renderers/methods/lighting.h"
 
 #include <algorithm>
-#include <bit>
-#include <limits>
+#include <glm/glm.hpp>
 
-#include "renderers/scene/parallel.h"
+#include "renderers/methods/octahedral_map.h"
 #include "renderers/scene/punctual.h"
-#include "renderers/shared/equirect.h"
-#include "renderers/shared/octahedral.h"
+#include "renderers/shared/packed_radiance.h"
 
 namespace occlab {
 namespace {
@@ -38,61 +36,6 @@ Image with_rows_beyond_poles(const Image& image) {
   return padded;
 }
 
-/// Radiance over an octahedral texel, at across x across points.
-struct TexelRadiance {
-  glm::vec3 mean{0.0f};  ///< over the solid angle
-  float contrast = 0.0f;
-};
-
-TexelRadiance texel_radiance(const Image& equirect, int side, glm::ivec2 place, int across) {
-  glm::vec3 sum(0.0f);
-  glm::vec3 least(std::numeric_limits<float>::infinity());
-  glm::vec3 most(0.0f);
-  float weights = 0.0f;
-  for (int i = 0; i < across * across; ++i) {
-    const glm::vec2 within = (glm::vec2(i % across, i / across) + 0.5f) / float(across);
-    const glm::vec3 point = octahedral_point((glm::vec2(place) + within) / float(side));
-    const float distance = length(point);
-    const float solid_angle = 1.0f / (distance * distance * distance);
-    const glm::vec2 uv = equirect_uv(point / distance);
-    const int x = std::min(int(uv.x * float(equirect.width())), equirect.width() - 1);
-    const int y = std::min(int(uv.y * float(equirect.height())), equirect.height() - 1);
-    const auto texel = equirect.pixel(x, y);
-    const glm::vec3 radiance(texel[0], texel[1], texel[2]);
-    sum += solid_angle * radiance;
-    weights += solid_angle;
-    least = min(least, radiance);
-    most = max(most, radiance);
-  }
-  const glm::vec3 contrast = most - least;
-  return {sum / weights, std::max({contrast.x, contrast.y, contrast.z})};
-}
-
-float mean_value(const Image& image) {
-  double sum = 0.0;
-  for (const float value : image.values()) sum += double(value);
-  return float(sum / double(image.values().size()));
-}
-
-/// The outlines of what is bright, such as a sun of few texels, are looked at closely.
-Image octahedral_map(const Image& equirect, int side) {
-  constexpr int points_across = 4;
-  constexpr int points_across_outlines = 32;
-  const float bright = mean_value(equirect);
-  Image map(side, side, 3);
-  parallel_for(std::size_t(side), [&](std::size_t row) {
-    for (int x = 0; x < side; ++x) {
-      const glm::ivec2 place(x, int(row));
-      TexelRadiance texel = texel_radiance(equirect, side, place, points_across);
-      if (texel.contrast > bright) {
-        texel = texel_radiance(equirect, side, place, points_across_outlines);
-      }
-      for (int c = 0; c < 3; ++c) map.at(x, int(row), c) = texel.mean[c];
-    }
-  });
-  return map;
-}
-
 }  // namespace
 
 Lighting::Lighting(Environment environment, std::vector<Light> lights, const View& view)
@@ -107,25 +50,25 @@ const ShRgb& Lighting::sh_view() const {
   return *sh_view_;
 }
 
-int Lighting::octahedral_side() const {
-  // Texels of about the size of the probe's own at its equator; small ones keep their outlines, and
-  // the map stays small enough for caches.
-  constexpr unsigned least = 512;
-  constexpr unsigned most = 2048;
-  const auto width = unsigned(environment_.texels.width());
-  return int(std::clamp(std::bit_ceil(width) / 2, least, most));
-}
-
 const Image& Lighting::octahedral_probe() const {
-  if (!octahedral_probe_) {
-    octahedral_probe_ = octahedral_map(environment_.texels, octahedral_side());
-  }
+  if (!octahedral_probe_) octahedral_probe_ = octahedral_map(environment_);
   return *octahedral_probe_;
 }
 
-const Texture& Lighting::octahedral_texture() const {
-  if (!octahedral_texture_) octahedral_texture_ = Texture::from_image(octahedral_probe());
-  return *octahedral_texture_;
+const TexelBuffer& Lighting::octahedral_texels() const {
+  if (!octahedral_texels_) {
+    const Image& map = octahedral_probe();
+    std::vector<glm::uvec2> texels;
+    texels.reserve(map.pixel_count());
+    for (int y = 0; y < map.height(); ++y) {
+      for (int x = 0; x < map.width(); ++x) {
+        const auto texel = map.pixel(x, y);
+        texels.push_back(pack_radiance({texel[0], texel[1], texel[2]}));
+      }
+    }
+    octahedral_texels_.emplace(GL_RG32UI, texels.data(), texels.size() * sizeof(glm::uvec2));
+  }
+  return *octahedral_texels_;
 }
 
 const std::vector<Image>& Lighting::cones() const {

@@ -25,12 +25,10 @@ class Lighting {
   glm::mat3 probe_from_view() const;
   /// Order-4 SH of the probe in view space: c[env] of [S3HO eq. 4].
   const ShRgb& sh_view() const;
-  /// The probe's radiance by shared/octahedral.h, probe space: RGB, square, its side a power of
-  /// two, at least the probe's width up to 4096. A texel is the mean of the probe over its solid
-  /// angle.
-  int octahedral_side() const;
+  /// octahedral_map() of the probe, probe space.
   const Image& octahedral_probe() const;
-  const Texture& octahedral_texture() const;
+  /// Its texels row by row as packed_radiance.h has them.
+  const TexelBuffer& octahedral_texels() const;
   /// L_c at alpha_k = (k+1)/8 pi/2, probe space. The last level is E_unoccluded / pi. The first and
   /// last rows are beyond the poles, for filtering only.
   const std::vector<Image>& cones() const;
@@ -47,7 +45,7 @@ class Lighting {
   View view_;
   mutable std::optional<ShRgb> sh_view_;
   mutable std::optional<Image> octahedral_probe_;
-  mutable std::optional<Texture> octahedral_texture_;
+  mutable std::optional<TexelBuffer> octahedral_texels_;
   mutable std::optional<std::vector<Image>> cones_;
   mutable std::optional<Texture> cone_texture_;
   mutable std::optional<Buffer> light_buffer_;

@@ -36,7 +36,8 @@ std::string preamble(const Frame& frame, const ParameterSet& parameters,
       "#define INTEGER_TARGETS {}\n",
       parameters.glsl_preamble(),
       sample_constants(int(parameters.integer("samples")), int(parameters.integer("steps"))),
-      whole_filter_power(pass_constants(parameters)), frame.lighting.octahedral_side(),
+      whole_filter_power(pass_constants(parameters)),
+      passes.representation->reads_radiance ? frame.lighting.octahedral_probe().width() : 1,
       frame.lighting.lights().size(), formats.size(), formats.front() == GL_RGBA32UI ? 1 : 0);
 }
 
@@ -61,7 +62,7 @@ void use_program(const Frame& frame, const ParameterSet& parameters, const std::
   Program::bind_texture(unit_normal, gbuffer.normal_view());
   Program::bind_texture(unit_albedo, gbuffer.albedo());
   if (passes.representation->reads_radiance) {
-    Program::bind_texture(unit_probe, frame.lighting.octahedral_texture());
+    Program::bind_texels(unit_probe, frame.lighting.octahedral_texels());
   }
   Program::bind_texture(unit_cones, frame.lighting.cone_texture());
   Program::bind_uniform_buffer(binding_lights, frame.lighting.light_buffer());

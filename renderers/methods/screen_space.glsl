@@ -7,12 +7,13 @@
 #include "renderers/shared/lights.h"
 #include "renderers/shared/march.h"
 #include "renderers/shared/octahedral.h"
+#include "renderers/shared/packed_radiance.h"
 #include "renderers/shared/visibility.h"
 
 layout(binding = 0) uniform sampler2D position_view;  // w: 1 where a surface is seen
 layout(binding = 1) uniform sampler2D normal_view;
 layout(binding = 2) uniform sampler2D albedo_map;
-layout(binding = 3) uniform sampler2D octahedral_probe;
+layout(binding = 3) uniform usamplerBuffer octahedral_probe;  // row by row
 layout(binding = 4) uniform sampler2DArray cone_light;  // L_c, 8 levels
 
 // sample_direction[N]: tangent frame; w: march offset. Constants of the program, unless there are
@@ -75,8 +76,8 @@ float march_visibility(vec3 p, vec3 n, vec3 s, float xi, float reach) {
 
 // The probe's radiance from direction s: the nearest texel.
 vec3 probe_radiance(vec3 s) {
-  ivec2 texel = ivec2(octahedral_uv(probe_from_view * s) * float(PROBE_SIDE));
-  return texelFetch(octahedral_probe, min(texel, ivec2(PROBE_SIDE - 1)), 0).rgb;
+  ivec2 texel = octahedral_texel(octahedral_uv(probe_from_view * s), PROBE_SIDE);
+  return unpack_radiance(texelFetch(octahedral_probe, texel.y * PROBE_SIDE + texel.x).xy);
 }
 
 // L_c(d, angle) of the pre-convolved levels, linear in the angle.

@@ -188,6 +188,7 @@ Environment load_environment(const ProbeSettings& settings) {
   }
   if (settings.prefilter_degrees > 0.0f) {
     environment.texels = prefilter_gaussian(environment.texels, settings.prefilter_degrees);
+    environment.blur_degrees = settings.prefilter_degrees;
   }
 
   // World direction of a probe direction: R_y(t), which is counter-clockwise seen from +Y.

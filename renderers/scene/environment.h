@@ -29,6 +29,7 @@ struct ProbeSettings {
 struct Environment {
   std::string name;
   Image texels;                             ///< RGB radiance, exposure and prefilter applied
+  float blur_degrees = 0.0f;                ///< sigma of the prefilter that was applied; 0: none
   glm::mat3 probe_from_world{1.0f};         ///< the rotation; orthonormal
   std::size_t clamped_negative_texels = 0;  ///< negative input texels set to 0, to be reported
 

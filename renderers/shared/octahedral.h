@@ -18,6 +18,16 @@ SHARED vec2 octahedral_uv(vec3 d) {
   return vec2(0.5f + 0.5f * u, 0.5f + 0.5f * v);
 }
 
+// Takes u in [0, 1] to texels of a map of side x side, at most 2^13: just so much short of the side
+// that u = 1 falls into the last.
+SHARED float octahedral_scale(int side) { return float(side) - 0.0005f; }
+
+// The texel that uv falls into.
+SHARED ivec2 octahedral_texel(vec2 uv, int side) {
+  const float scale = octahedral_scale(side);
+  return ivec2(int(scale * uv.x), int(scale * uv.y));
+}
+
 // The point of the octahedron |x| + |y| + |z| = 1 at (u, v): a direction, not of length 1.
 SHARED vec3 octahedral_point(vec2 uv) {
   const float u = 2.0f * uv.x - 1.0f;

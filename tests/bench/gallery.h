@@ -1,6 +1,9 @@
 #pragma once
 
+#include <string>
+
 #include "harness/workbench.h"
+#include "renderers/methods/method.h"
 
 namespace occlab::bench {
 
@@ -17,6 +20,13 @@ inline Workbench& gallery() {
                           .probe = ProbeSettings{.source = "cathedral", .prefilter_degrees = 8.0f}},
                          "surfaceless");
   return bench;
+}
+
+inline ParameterSet study_parameters(const std::string& method, long samples) {
+  ParameterSet parameters(find_method(method).parameters);
+  parameters.set("samples", samples);
+  parameters.set("d_max_world", double(d_max_world));
+  return parameters;
 }
 
 }  // namespace occlab::bench

@@ -1,22 +1,13 @@
-// The passes of the methods, and the plainest SSAO to hold them against: S3HO is not to be cheap by
-// way of a slow SSAO. Times are of a rasteriser that may be software; compare those of one run.
+// The passes of the methods. Times are of a rasteriser that may be software; compare those of one
+// run.
 #include <benchmark/benchmark.h>
 
 #include "renderers/gl/timer.h"
 #include "renderers/methods/method.h"
-#include "renderers/methods/pass_constants.h"
-#include "renderers/methods/sample_set.h"
 #include "tests/bench/gallery.h"
 
 namespace occlab::bench {
 namespace {
-
-ParameterSet study_parameters(const std::string& method, long samples) {
-  ParameterSet parameters(find_method(method).parameters);
-  parameters.set("samples", samples);
-  parameters.set("d_max_world", double(d_max_world));
-  return parameters;
-}
 
 /// One pass of a method's frame, as occlab times it: wall clock around glFinish.
 void time_pass_of(benchmark::State& state, const std::string& name, const ParameterSet& parameters,
@@ -70,39 +61,6 @@ BENCHMARK(BM_occlusion_pass_s3ho_direct)
     ->Arg(8)
     ->Unit(benchmark::kMillisecond)
     ->UseManualTime();
-
-/// SSAO with its samples read from a uniform buffer in a loop, as one would write it first.
-void BM_plain_ssao(benchmark::State& state) {
-  const Frame& frame = gallery().frame();
-  const ParameterSet parameters = study_parameters("ssao", state.range(0));
-  const SampleSet samples = make_sample_set(int(state.range(0)), 0);
-  std::vector<glm::vec4> block(samples.sets.begin(), samples.sets.end());
-  block.insert(block.end(), samples.directions.begin(), samples.directions.end());
-  const Buffer buffer(block.data(), block.size() * sizeof(glm::vec4));
-  const GBuffer& gbuffer = frame.gbuffer(GBufferBits::float32);
-  const Program program(fullscreen_vertex_shader, "renderers/methods/ssao.frag",
-                        parameters.glsl_preamble() +
-                            "#define SAMPLES_IN_BUFFER\n#define PROBE_SIDE 1\n"
-                            "#define LIGHT_COUNT 0\n");
-  const std::array<GLenum, 1> format = {GL_R32F};
-  const Framebuffer target(width, height, format, false);
-  program.use();
-  for (const Parameter& parameter : parameters.declared()) {
-    if (parameter.kind != ParameterKind::real) continue;
-    program.set(parameter.name.c_str(), parameters.real32(parameter.name));
-  }
-  program.set("focal_pixels", frame.view.focal_pixels());
-  program.set("image_center", 0.5f * glm::vec2(width, height));
-  Program::bind_texture(0, gbuffer.position_view());
-  Program::bind_texture(1, gbuffer.normal_view());
-  Program::bind_uniform_buffer(0, buffer);
-  target.bind();
-  time_pass(Clock::wall, draw_fullscreen);  // compiles
-  for (auto _ : state) {
-    state.SetIterationTime(1e-3 * time_pass(Clock::wall, draw_fullscreen).wall_ms);
-  }
-}
-BENCHMARK(BM_plain_ssao)->Arg(32)->Arg(16)->Arg(8)->Unit(benchmark::kMillisecond)->UseManualTime();
 
 }  // namespace
 }  // namespace occlab::bench

@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include "renderers/methods/lighting.h"
+#include "renderers/methods/octahedral_map.h"
 #include "renderers/shared/equirect.h"
 #include "tests/analytic/built_scenes.h"
 
@@ -56,9 +56,8 @@ TEST(Octahedral, MapKeepsTheProbesIrradiance) {
     const bool sun = glm::dot(d, glm::normalize(glm::vec3(0.5f, 0.7f, 0.3f))) > 0.999f;
     return sun ? glm::vec3(3000, 2700, 2000) : glm::vec3(0.3f, 0.5f + 0.4f * d.y, 1.0f);
   });
-  const Lighting lighting(probe, {}, View{});
-  const Image& map = lighting.octahedral_probe();
-  EXPECT_EQ(map.width(), lighting.octahedral_side());
+  const Image map = octahedral_map(probe);
+  EXPECT_EQ(map.width(), 512);  // for the sun's outline
   std::mt19937 random(2);
   for (int i = 0; i < 20; ++i) {
     const glm::dvec3 n(random_direction(random));
@@ -81,6 +80,26 @@ TEST(Octahedral, MapKeepsTheProbesIrradiance) {
       }
     }
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], expected[c], 1e-3 * everything[c]) << i;
+  }
+}
+
+TEST(Octahedral, MapIsAsSmallAsTheProbeIsSmooth) {
+  Environment probe = test::probe_of(256, [](glm::vec3) { return glm::vec3(1, 2, 3); });
+  EXPECT_EQ(octahedral_side(probe), 512);
+  for (const float sigma : {0.5f, 1.0f, 2.0f, 4.0f, 8.0f, 16.0f}) {
+    probe.blur_degrees = sigma;
+    const int side = octahedral_side(probe);
+    const double texel_degrees = std::sqrt(41252.96 / (double(side) * side));
+    if (side < 2048) EXPECT_LE(texel_degrees, 0.1 * double(sigma)) << sigma;
+    if (side > 64) EXPECT_GT(2.0 * texel_degrees, 0.1 * double(sigma)) << sigma;
+  }
+}
+
+TEST(Octahedral, TheLastTexelEndsTheMap) {
+  for (int map = 64; map <= 8192; map *= 2) {
+    EXPECT_EQ(octahedral_texel({0.0f, 1.0f}, map), glm::ivec2(0, map - 1));
+    EXPECT_EQ(octahedral_texel(glm::vec2(0.5f), map), glm::ivec2(map / 2 - 1));
+    EXPECT_EQ(octahedral_texel(glm::vec2(0.5f + 1.0f / float(map)), map), glm::ivec2(map / 2));
   }
 }
 
