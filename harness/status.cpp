@@ -42,7 +42,7 @@ struct Traces {
 json read_json(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   json document = json::parse(file, nullptr, false);
-  return document.is_object() ? document : json();
+  return document.is_object() ? document : json::object();
 }
 
 std::vector<Work> read_plan(const fs::path& path) {
@@ -63,7 +63,7 @@ void read_logs(const fs::path& results, Traces& traces) {
     const std::string name = entry->path().filename().string();
     if (name != "run.json" && !name.starts_with("shard-")) continue;
     json log = read_json(entry->path());
-    if (log.is_null() || !log.contains("plan")) continue;
+    if (!log.contains("plan")) continue;
     std::error_code ignored;
     logs.emplace_back(fs::last_write_time(entry->path(), ignored), std::move(log));
   }
@@ -152,6 +152,7 @@ std::string state_of(const fs::path& results, const json& log, const std::string
 
 /// How fast the process of a log goes, in costs a second; 0 where it is not known.
 double rate_of(const json& log) {
+  if (!log.is_object()) return 0.0;
   const double seconds = log.value("seconds", 0.0);
   const double made = log.value("cost_done", 0.0) - log.value("cost_before", 0.0);
   return seconds > 0.0 && made > 0.0 ? made / seconds : 0.0;
@@ -224,16 +225,13 @@ void find_collecting(const Traces& traces, const fs::path& results, RunStatus& s
   if (const QueuedJob* job = queued(traces, traces.submission->collect)) {
     status.collecting = job->state == "PENDING" ? "queued" : "running";
     status.message = job->state == "PENDING" ? job->reason : "";
+  } else if (traces.asked && status.collecting == "not started") {
+    status.collecting = "failed";
+    status.message = last_line(slurm_log(results, json()));
   }
 }
 
-}  // namespace
-
-bool ShardStatus::ended_early() const {
-  return state == "failed" || state == "interrupted" || state == "died" || state == "incomplete";
-}
-
-RunStatus read_status(const fs::path& results) {
+RunStatus status_of(const fs::path& results) {
   const Traces traces = read_traces(results);
   if (traces.plan.empty() && !traces.submission) {
     throw InputError(fmt::format(
@@ -259,6 +257,21 @@ RunStatus read_status(const fs::path& results) {
   const double all_left = std::accumulate(left.begin(), left.end(), 0.0);
   if (all_left > 0.0 && rate > 0.0) status.seconds_left = all_left / rate;
   return status;
+}
+
+}  // namespace
+
+bool ShardStatus::ended_early() const {
+  return state == "failed" || state == "interrupted" || state == "died" || state == "incomplete";
+}
+
+RunStatus read_status(const fs::path& results) {
+  try {
+    return status_of(results);
+  } catch (const json::exception& error) {
+    throw InputError(fmt::format("{}: not what occlab wrote: {}", (results / "progress").string(),
+                                 error.what()));
+  }
 }
 
 std::string status_text(const RunStatus& status) {

@@ -124,7 +124,13 @@ std::string slurm_script(const SlurmRun& run, std::size_t shards) {
   text += shards > 0 ? "# Written by occlab: task I of the array renders shard I.\n"
                      : "# Written by occlab: measures and writes the tables when the shards are "
                        "done.\n";
-  text += fmt::format("cd {} || exit 3\nexec", shell_word(run.folder.string()));
+  text += fmt::format("cd {} || exit 3\n", shell_word(run.folder.string()));
+  // Otherwise this one job would render what many have left.
+  if (shards == 0) {
+    text += fmt::format("{} status {} --rendered || exit 3\n", shell_word(run.command.front()),
+                        shell_word(run.results.string()));
+  }
+  text += "exec";
   for (std::size_t i = 0; i < run.command.size(); ++i) {
     text += " " + shell_word(run.command[i]);
     // Behind the verb, so that a "--" among the arguments does not matter.
@@ -235,7 +241,12 @@ void wait_for_jobs(const SlurmRun& run, const SlurmSubmission& submission) {
       fmt::print(stderr, "{}\n", text.substr(0, text.find('\n')));
     }
     std::this_thread::sleep_for(between_looks);
-    throw_if_interrupted();
+    try {
+      throw_if_interrupted();
+    } catch (const Interrupted&) {
+      throw Interrupted(fmt::format("interrupted; the jobs go on; 'occlab status {}' follows them",
+                                    run.results.string()));
+    }
   }
   const RunStatus status = read_status(run.results);
   if (status.collecting == "finished") return;

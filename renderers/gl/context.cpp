@@ -4,7 +4,6 @@
 #include <epoxy/gl.h>
 #include <fmt/format.h>
 
-#include <array>
 #include <charconv>
 
 #include "renderers/scene/error.h"
@@ -13,6 +12,21 @@ namespace occlab {
 namespace {
 
 constexpr const char* surfaceless = "surfaceless";
+
+/// OpenGL 4.5 core. With `tells_resets` a context that the device had to reset says so instead of
+/// drawing nothing (check_gl); not every driver offers that.
+EGLContext create_context(EGLDisplay display, bool tells_resets) {
+  std::vector<EGLint> attributes = {
+      EGL_CONTEXT_MAJOR_VERSION,       4,
+      EGL_CONTEXT_MINOR_VERSION,       5,
+      EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT};
+  if (tells_resets) {
+    attributes.insert(attributes.end(),
+                      {EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY, EGL_LOSE_CONTEXT_ON_RESET});
+  }
+  attributes.push_back(EGL_NONE);
+  return eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes.data());
+}
 
 std::vector<EGLDeviceEXT> egl_devices() {
   if (!epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_device_enumeration") &&
@@ -56,6 +70,12 @@ EGLDisplay display_of(const std::string& device) {
   return eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, devices[index], nullptr);
 }
 
+const char* reset_reason(GLenum status) {
+  if (status == GL_GUILTY_CONTEXT_RESET) return "by what this program drew";
+  if (status == GL_INNOCENT_CONTEXT_RESET) return "by another program";
+  return "the driver does not say why";
+}
+
 std::string choose_device(const std::string& device) {
   if (device != "auto") return device;
   for (const DeviceInfo& info : list_devices()) {
@@ -81,14 +101,8 @@ Context::Context(const std::string& device) {
     fail("EGL cannot be initialised; is Mesa's libegl-mesa0 installed?");
   }
   if (!eglBindAPI(EGL_OPENGL_API)) fail("EGL offers no desktop OpenGL");
-  const std::array<EGLint, 7> attributes = {EGL_CONTEXT_MAJOR_VERSION,
-                                            4,
-                                            EGL_CONTEXT_MINOR_VERSION,
-                                            5,
-                                            EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                                            EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                                            EGL_NONE};
-  context_ = eglCreateContext(display_, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes.data());
+  context_ = create_context(display_, true);
+  if (context_ == EGL_NO_CONTEXT) context_ = create_context(display_, false);
   if (context_ == EGL_NO_CONTEXT) fail("no OpenGL 4.5 core context");
   if (!eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_)) {
     fail("the context cannot be made current without a surface");
@@ -120,6 +134,12 @@ std::vector<DeviceInfo> list_devices() {
 }
 
 void check_gl(const char* what) {
+  if (const GLenum status = glGetGraphicsResetStatus(); status != GL_NO_ERROR) {
+    throw DeviceError(fmt::format(
+        "the graphics context was lost in {} ({}); finished cells are kept, the same command goes "
+        "on from there",
+        what, reset_reason(status)));
+  }
   const GLenum error = glGetError();
   if (error == GL_NO_ERROR) return;
   throw DeviceError(fmt::format("OpenGL failed in {}: error 0x{:04x}{}", what, error,

@@ -36,7 +36,8 @@ class Context {
 /// The devices on which a context could be made; empty if there is none.
 std::vector<DeviceInfo> list_devices();
 
-/// Throws DeviceError naming `what` if OpenGL has recorded an error.
+/// Throws DeviceError naming `what` if OpenGL has recorded an error or the device has reset the
+/// context, after which nothing that was drawn can be believed.
 void check_gl(const char* what);
 
 }  // namespace occlab

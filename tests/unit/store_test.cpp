@@ -183,17 +183,29 @@ TEST_F(StoreTest, WritingOverADamagedCellReplacesIt) {
   EXPECT_TRUE(store.read(numbered_key(1)).cell);
 }
 
+TEST_F(StoreTest, AnEditedDescriptionIsDamaged) {
+  CellStore store(folder_);
+  for (const auto& [from, to] : {std::pair{"\"ssao\"", "\"s3ho\""}, std::pair{"12.5", "13.5"},
+                                 std::pair{"\"format\": 1", "\"format\": 2"}}) {
+    edit_file(write(store, 1) / "cell.json", from, to);
+    const ReadCell read = store.read(numbered_key(1));
+    EXPECT_FALSE(read.cell) << from;
+    EXPECT_NE(read.warning.find("the checksum of cell.json is wrong"), std::string::npos)
+        << read.warning;
+  }
+}
+
 TEST_F(StoreTest, AnotherKeyInTheCellIsAnError) {
   CellStore store(folder_);
-  const fs::path cell = write(store, 1);
-  edit_file(cell / "cell.json", "\"ssao\"", "\"s3ho\"");
+  const fs::path cell = store.cell_folder(numbered_key(1));
+  fs::rename(write(store, 2), cell);
   try {
     store.has(numbered_key(1));
     FAIL();
   } catch (const InputError& error) {
     const std::string message = error.what();
     EXPECT_NE(message.find((cell / "cell.json").string()), std::string::npos) << message;
-    EXPECT_NE(message.find(R"(["method","s3ho"] where ["method","ssao"])"), std::string::npos)
+    EXPECT_NE(message.find(R"(["number","2"] where ["number","1"])"), std::string::npos)
         << message;
   }
   EXPECT_THROW(store.read(numbered_key(1)), InputError);

@@ -1,0 +1,390 @@
+"""Whatever ends or disturbs a run, nothing is lost and nothing silently wrong: the same command ends
+with what an undisturbed run has, bit for bit apart from times."""
+
+import contextlib
+import fcntl
+import functools
+import json
+import os
+import random
+import resource
+import shutil
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import pathlib
+
+from support import (OCCLAB, ROOT, SMALL_EXPERIMENT, CliTest, exr_pixels, measured, occlab,
+                     session_folder)
+
+# All stages but timing: a reference of several parts, an error budget, figures.
+TINY = """\
+format = 1
+[experiment]
+name = "tiny"
+title = "Tiny"
+[scene]
+source = "three_boxes"
+resolution = [64, 36]
+[probe]
+source = "sky_sun"
+[reference]
+method = "rtdo"
+rays_per_pixel = 4
+max_rays_per_pixel = 64
+[[run]]
+methods = ["ssao", "s3ho", "ssdo", "ssbn"]
+samples = 4
+seeds = 3
+[budget]
+tolerance = 0.2
+budget_seconds = 20.0
+[[figure]]
+name = "errors"
+kind = "error_map"
+methods = ["ssao", "s3ho"]
+samples = 4
+scale = 0.5
+"""
+KILLS = 200
+
+
+def digest(out):
+    """All that a finished folder holds but its times: pixels of every cell, numbers, figures."""
+    cells = {}
+    for cell in sorted((out / "cells").iterdir()):
+        if not cell.name.startswith("."):  # what a killed writer left goes after a minute
+            cells[cell.name] = exr_pixels(cell / "layers.exr")
+    pictures = {path.name: path.read_bytes() for path in sorted((out / "figures").glob("*.png"))}
+    tables = {path.name: path.read_bytes() for path in sorted((out / "tables").iterdir())
+              if "time" not in path.name}
+    return cells, measured(out / "measurements.csv"), pictures, tables
+
+
+@functools.cache
+def undisturbed(text):
+    """(digest, seconds) of a run that nothing disturbs."""
+    folder = pathlib.Path(tempfile.mkdtemp(dir=session_folder()))
+    experiment = folder / "tiny.toml"
+    experiment.write_text(text, encoding="utf-8")
+    start = time.monotonic()
+    finished = occlab("run", experiment, "--out", folder / "out")
+    if finished.returncode != 0:
+        raise AssertionError(finished.stderr)
+    return digest(folder / "out"), time.monotonic() - start
+
+
+class Survival(CliTest):
+    def setUp(self):
+        super().setUp()
+        self.experiment = self.write("tiny.toml", TINY)
+        self.out = self.folder / "out"
+
+    def start(self, *arguments, out=None, **settings):
+        process = subprocess.Popen(
+            [OCCLAB, "run", self.experiment, "--out", out or self.out, *arguments],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **settings)
+        self.addCleanup(process.communicate)
+        self.addCleanup(process.kill)
+        return process
+
+    def is_whole(self, out=None, text=TINY):
+        """As an undisturbed run: compared part by part, for a message that can be read."""
+        names = ("cells", "measurements", "figures", "tables")
+        for name, mine, whole in zip(names, digest(out or self.out), undisturbed(text)[0]):
+            if isinstance(mine, dict):
+                self.assertEqual(list(mine), list(whole), name)
+                self.assertEqual([key for key in mine if mine[key] != whole[key]], [], name)
+            else:
+                self.assertEqual(mine, whole, name)
+
+    def goes_on(self, *arguments, **settings):
+        """The same command finishes and has everything."""
+        finished = self.good("run", self.experiment, "--out", self.out, *arguments, **settings)
+        self.is_whole()
+        return finished
+
+    def cells(self, out=None):
+        return sorted((out or self.out).glob("cells/[0-9a-f]*"))
+
+    def wait_for_cells(self, process, count):
+        deadline = time.monotonic() + 60
+        while len(self.cells()) < count:
+            self.assertIsNone(process.poll(), "the run ended too early")
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.002)
+
+
+class Killed(Survival):
+    def test_200_kills_at_random_points(self):
+        """Uniformly over the time of a whole run, so that every stage of it is met."""
+        chance = random.Random(7)
+        seconds = undisturbed(TINY)[1]
+        kills, finished, folder = {}, 0, 0
+        while sum(kills.values()) < KILLS:
+            out = self.folder / f"out{folder}"
+            process = self.start(out=out)
+            number = chance.choice((signal.SIGKILL, signal.SIGTERM, signal.SIGINT))
+            try:
+                process.communicate(timeout=chance.uniform(0.05, min(0.8, 0.9 * seconds)))
+            except subprocess.TimeoutExpired:
+                process.send_signal(number)
+                stderr = process.communicate(timeout=60)[1]
+                if process.returncode != 0:  # else it was just done
+                    self.assertIn(process.returncode, (-number, 3), stderr)
+                    kills[number] = kills.get(number, 0) + 1
+                    continue
+            self.assertEqual(process.returncode, 0)
+            self.is_whole(out)
+            finished += 1
+            folder += 1
+        self.assertEqual(len(kills), 3)
+        out = self.folder / f"out{folder}"
+        self.good("run", self.experiment, "--out", out)
+        self.is_whole(out)
+        print(f"{KILLS} kills, {finished} runs finished in between; an undisturbed run takes "
+              f"{seconds:.2f} s", file=sys.stderr)
+
+
+class Machine(Survival):
+    def test_a_disk_that_fills_up(self):
+        """At any size: what is there is whole, and with space the same command finishes."""
+        with contextlib.ExitStack() as stack:
+            for kilobytes in (8, 64, 300, 700):
+                with self.subTest(kilobytes):
+                    disk = self.folder / f"disk{kilobytes}"
+                    disk.mkdir()
+                    mounted = subprocess.run(
+                        ["mount", "-t", "tmpfs", "-o", f"size={kilobytes}k", "tmpfs", disk],
+                        capture_output=True, text=True, check=False)
+                    if mounted.returncode != 0:
+                        self.skipTest(f"no small file system to fill: {mounted.stderr.strip()}")
+                    stack.callback(subprocess.run, ["umount", disk], check=True)
+                    self.out = disk / "out"
+                    finished = occlab("run", self.experiment, "--out", self.out)
+                    self.assertEqual(finished.returncode, 3, finished.stderr)
+                    last = finished.stderr.splitlines()[-1]
+                    self.assertRegex(last, f"^occlab: {disk}")
+                    self.assertIn("No space left", last)
+                    subprocess.run(["mount", "-o", "remount,size=64m", disk], check=True)
+                    self.goes_on()
+
+    def test_a_folder_that_cannot_be_written(self):
+        """Bind-mounted read-only: root too is refused."""
+        self.out.mkdir()
+        mounted = subprocess.run(["mount", "--bind", self.out, self.out], capture_output=True,
+                                 text=True, check=False)
+        if mounted.returncode != 0:
+            self.skipTest(f"no read-only folder: {mounted.stderr.strip()}")
+        try:
+            subprocess.run(["mount", "-o", "remount,ro,bind", self.out], check=True)
+            self.refused(3, [self.out, "Read-only"], "run", self.experiment, "--out", self.out)
+            self.refused(3, [self.out, "Read-only"], "run", self.experiment, "--out", self.out,
+                         "--shard", "1/2")
+        finally:
+            subprocess.run(["umount", self.out], check=True)
+        self.goes_on()
+
+    def test_out_of_file_handles(self):
+        """From none to enough of them: finished, or said and gone on from."""
+        failed = 0
+        for most in range(4, 64, 4):
+            with self.subTest(most):
+                out = self.folder / f"out{most}"
+                finished = occlab(
+                    "run", self.experiment, "--out", out,
+                    preexec_fn=lambda most=most: resource.setrlimit(resource.RLIMIT_NOFILE,
+                                                                    (most, most)))
+                if finished.returncode == 0:
+                    self.is_whole(out)
+                    break
+                failed += 1
+                self.assertEqual(finished.returncode, 3, finished.stderr)
+                self.assertRegex(finished.stderr.splitlines()[-1], "^occlab: ")
+                self.good("run", self.experiment, "--out", out)
+                self.is_whole(out)
+        else:
+            self.fail("not even with 60 file handles")
+        self.assertGreater(failed, 0)
+
+    def test_a_clock_that_is_set_back(self):
+        """By ten days in the middle of a run: what is there is from the future then."""
+        process = self.start()
+        self.wait_for_cells(process, 4)
+        process.kill()
+        process.communicate()
+        kept = {cell.name: cell.stat().st_mtime_ns for cell in self.cells()}
+        future = time.time() + 864000
+        for path in [self.out, *self.out.rglob("*")]:
+            os.utime(path, (future, future))
+        self.goes_on()
+        for name in kept:
+            self.assertGreater((self.out / "cells" / name / "layers.exr").stat().st_mtime,
+                               future - 10, "rendered again")
+        status = json.loads(self.good("status", self.out, "--json").stdout)
+        self.assertEqual(status["measuring"], "finished")
+        again = self.good("run", self.experiment, "--out", self.out)
+        self.assertIn("everything is done", again.stderr)
+
+    def test_a_clock_that_is_another(self):
+        if not shutil.which("faketime"):
+            self.skipTest("needs faketime")
+        process = self.start()
+        self.wait_for_cells(process, 3)
+        process.kill()
+        process.communicate()
+        finished = subprocess.run(["faketime", "-m", "2019-12-24 20:30:00", OCCLAB, "run",
+                                   self.experiment, "--out", self.out], capture_output=True,
+                                  text=True, timeout=120, check=False,
+                                  env={**os.environ, "FAKETIME_DONT_FAKE_MONOTONIC": "1"})
+        self.assertEqual(finished.returncode, 0, finished.stderr)
+        self.is_whole()
+
+
+class Beside(Survival):
+    def test_two_runs_and_two_shards_on_one_folder_at_once(self):
+        processes = [self.start(), self.start(), self.start("--shard", "1/2"),
+                     self.start("--shard", "2/2")]
+        for process in processes:
+            stderr = process.communicate(timeout=120)[1]
+            self.assertEqual(process.returncode, 0, stderr)
+        self.is_whole()
+        self.assertFalse((self.out / "damaged").exists())
+        self.assertEqual(list((self.out / "cells").glob(".tmp-*")), [])
+        self.assertIn("everything is done", self.goes_on().stderr)
+
+    def test_shards_in_any_order_and_twice(self):
+        for shard in ("3/3", "1/3", "3/3", "2/3"):
+            finished = self.good("run", self.experiment, "--out", self.out, "--shard", shard)
+            self.assertEqual(finished.stdout, "")
+            self.assertFalse((self.out / "measurements.csv").exists())
+        whole = self.goes_on()
+        self.assertRegex(whole.stderr, r"\d+ cells, 0 to render")
+        self.good("run", self.experiment, "--out", self.out, "--shard", "2/3")
+        self.assertIn("everything is done", self.goes_on().stderr)
+
+    def test_bad_shards(self):
+        for shard in ("0/3", "4/3", "1", "/", "1/0", "a/b", "1/3/4", "-1/3", "1/9999999"):
+            with self.subTest(shard):
+                self.refused_run(2, ["--shard", shard, "I/N"], self.experiment, f"--shard={shard}")
+        self.refused_run(2, ["--fresh"], self.experiment, "--fresh", "--shard", "1/2")
+
+    def test_what_another_process_is_at_is_left_to_it_until_it_dies(self):
+        """The other one holds the lock of one cell, as occlab does while it renders it."""
+        self.goes_on()
+        victim = json.loads((self.cells()[5] / "cell.json").read_text(encoding="utf-8"))
+        shutil.rmtree(self.cells()[5])
+        (self.out / "measurements.csv").unlink()
+        hold = ("import fcntl, struct, sys, time\n"
+                "lock = struct.pack('hhqqi4x', fcntl.F_WRLCK, 0, int(sys.argv[2], 16), 1, 0)\n"
+                "file = open(sys.argv[1], 'r+b')\n"
+                "fcntl.fcntl(file, 37, lock)\n"  # F_OFD_SETLK
+                "print('held', flush=True)\n"
+                "time.sleep(600)\n")
+        other = subprocess.Popen([sys.executable, "-c", hold, self.out / "claims",
+                                  victim["key"][:15]], stdout=subprocess.PIPE, text=True)
+        self.addCleanup(other.communicate)
+        self.addCleanup(other.kill)
+        self.assertEqual(other.stdout.readline(), "held\n")
+        process = self.start()
+        with self.assertRaises(subprocess.TimeoutExpired):
+            process.wait(timeout=2 + 2 * undisturbed(TINY)[1])
+        self.assertFalse((self.out / "measurements.csv").exists())
+        other.kill()
+        stderr = process.communicate(timeout=60)[1]
+        self.assertEqual(process.returncode, 0, stderr)
+        self.is_whole()
+
+
+class Damaged(Survival):
+    def test_flipped_bits_are_found_wherever_they_are(self):
+        """Any bit of any file of a cell: the cell is rendered again and this is said, or the bit
+        means nothing and the numbers are the same. Never are other numbers measured."""
+        self.goes_on()
+        chance = random.Random(11)
+        found = 0
+        for _ in range(24):
+            victim = chance.choice(self.cells())
+            path = victim / chance.choice(("cell.json", "layers.exr"))
+            data = bytearray(path.read_bytes())
+            at = chance.randrange(len(data))
+            data[at] ^= 1 << chance.randrange(8)
+            path.write_bytes(data)
+            (self.out / "measurements.csv").unlink()
+            with self.subTest(file=path.name, at=at):
+                finished = self.goes_on()
+                if "damaged" in finished.stderr:
+                    found += 1
+                    self.assertIn(f"{victim}: damaged: ", finished.stderr)
+                else:  # a space or a line end between two values
+                    self.assertEqual(path.name, "cell.json")
+        self.assertGreater(found, 12)
+
+    def test_cut_files(self):
+        self.goes_on()
+        chance = random.Random(12)
+        for index, name in enumerate(("cell.json", "layers.exr", "cell.json", "layers.exr")):
+            victim = self.cells()[3 * index]
+            size = (victim / name).stat().st_size
+            os.truncate(victim / name, chance.randrange(size))
+            (self.out / "measurements.csv").unlink()
+            with self.subTest(name):
+                self.assertIn(f"{victim}: damaged: ", self.goes_on().stderr)
+
+
+class Driver(Survival):
+    """An OpenGL that fails, by a library that is loaded in front of it (broken_driver.c)."""
+
+    @staticmethod
+    @functools.cache
+    def broken_driver():
+        library = session_folder() / "broken_driver.so"
+        subprocess.run(["gcc", "-shared", "-fPIC", "-O1", "-o", library,
+                        ROOT / "tests/cli/broken_driver.c"], check=True)
+        return library
+
+    def broken(self, kind, *arguments, after, line=""):
+        environment = {"LD_PRELOAD": str(self.broken_driver()), "BROKEN": kind,
+                       "BROKEN_AFTER": str(after), "BROKEN_LINE": line}
+        finished = occlab("run", self.experiment, "--out", self.out, *arguments, env=environment)
+        self.assertEqual(finished.returncode, 3, finished.stderr)
+        return finished.stderr
+
+    def test_a_shader_that_hangs_ends_with_its_time(self):
+        start = time.monotonic()
+        stderr = self.broken("hang", "--cell-time-limit", "3", after=20)
+        self.assertGreater(time.monotonic() - start, 3)
+        self.assertRegex(stderr.splitlines()[-1],
+                         r"^occlab: cell [0-9a-f]{16}, \w+ .*: not finished within 3 s "
+                         r"\(--cell-time-limit\); finished cells are kept")
+        self.assertGreater(len(self.cells()), 1)
+        status = json.loads(self.good("status", self.out, "--json").stdout)
+        self.assertEqual(status["measuring"], "failed")
+        self.assertIn("not finished within 3 s", status["message"])
+        self.goes_on("--cell-time-limit", "60")
+
+    def test_a_lost_context_is_said_and_its_picture_not_kept(self):
+        stderr = self.broken("lost", after=20)
+        self.assertRegex(stderr.splitlines()[-1], "^occlab: the graphics context was lost in ")
+        self.assertGreater(len(self.cells()), 1)
+        self.assertLess(len(self.cells()), 13)
+        self.goes_on()
+
+    def test_a_shader_that_does_not_compile_names_the_original_line(self):
+        """Of an included file as of a method's own."""
+        for path, line in (("renderers/methods/s3ho_lighting.frag", "void main()"),
+                           ("renderers/shared/march.h", "SHARED vec3 march_point(")):
+            text = (ROOT / path).read_text(encoding="utf-8").splitlines()
+            number = 1 + next(i for i, one in enumerate(text) if one.startswith(line))
+            with self.subTest(path):
+                for after in range(1, 16):  # other shaders have such a line, too
+                    self.out = self.folder / f"out{after}"
+                    stderr = self.broken("shader", after=after, line=line)
+                    self.assertRegex(stderr, r"(?m)^occlab: renderers/\S+ does not compile:$")
+                    if f"{path}:{number}" in stderr:
+                        break
+                self.assertIn(f"{path}:{number}", stderr)
+                self.goes_on()
