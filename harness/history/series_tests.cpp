@@ -131,8 +131,8 @@ EffectTest SeedTests::paired(const std::vector<double>& before, const std::vecto
   test.p_value = bootstrap->test(differences).p_value;
   test.smallest_p = bootstrap->smallest_p();
   test.how = fmt::format("{} paired seeds", before.size());
-  test.interval = [differences, baseline, relative, &tested = *bootstrap](double confidence) {
-    const Interval interval = tested.interval(differences, confidence);
+  test.interval = [differences, baseline, relative, tested = bootstrap](double confidence) {
+    const Interval interval = tested->interval(differences, confidence);
     return Interval{as_effect(interval.low, baseline, relative),
                     as_effect(interval.high, baseline, relative), confidence};
   };

@@ -39,7 +39,7 @@ class SeedTests {
   EffectTest paired(const std::vector<double>& before, const std::vector<double>& after,
                     bool relative) const;
   int resamples_;
-  mutable std::map<std::size_t, std::unique_ptr<PairedBootstrap>> made_;
+  mutable std::map<std::size_t, std::shared_ptr<const PairedBootstrap>> made_;
 };
 
 /// A number over all seeds with its Student interval, such as the noise: Welch's test of the ratio
