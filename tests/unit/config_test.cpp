@@ -117,7 +117,11 @@ TEST_F(ConfigTest, PathsStartAtTheFile) {
             (folder_ / "models/room.glb").string());
   EXPECT_EQ(load(base, {"scene.source=models/room.glb"}).scene.source,
             (fs::current_path() / "models/room.glb").string());
-  EXPECT_EQ(load(changed("\"gallery\"", "\"/models/room.glb\"")).scene.source, "/models/room.glb");
+  for (const char* outside : {"\"/models/room.glb\"", "\"../room.glb\""}) {
+    EXPECT_ERROR(changed("\"gallery\"", outside), file().string() + ":6: '");
+    EXPECT_NE(error_of(changed("\"gallery\"", outside)).find("lies outside the folder"),
+              std::string::npos);
+  }
 }
 
 TEST_F(ConfigTest, WordsThatLookLikeNumbers) {
