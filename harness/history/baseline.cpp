@@ -70,26 +70,8 @@ ChosenBaseline baseline_of(const Sqlite& database, const std::vector<StoredRun>&
                     : fmt::format("there are: {}", fmt::join(known, ", "))));
 }
 
-}  // namespace
-
-void complete_commit(RunFacts& facts) {
-  if (facts.commit.empty()) {
-    if (const auto head = find_commit("HEAD")) facts.commit = head->hash;
-  }
-  if (facts.commit.empty()) {
-    throw InputError(
-        "--commit: the run does not say which commit it is of, and the current folder is no git "
-        "repository: give the commit");
-  }
-  if (!facts.subject.empty() && !facts.commit_time.empty()) return;
-  const auto known = find_commit(clean(facts.commit));
-  if (!known) return;
-  if (facts.subject.empty()) facts.subject = known->subject;
-  if (facts.commit_time.empty()) facts.commit_time = known->time;
-}
-
-ChosenBaseline choose_baseline(const Sqlite* database, const std::string& against,
-                               const std::string& experiment) {
+ChosenBaseline choose_one(const Sqlite* database, const std::string& against,
+                          const std::string& experiment) {
   if (database) {
     if (const auto baseline = current_baseline(*database, against, experiment)) {
       const std::vector<StoredRun> all = of_experiment(list_runs(*database), experiment);
@@ -112,6 +94,32 @@ ChosenBaseline choose_baseline(const Sqlite* database, const std::string& agains
     if (!runs.empty()) return baseline_of(*database, runs, runs.front().id);
   }
   refuse(database, against, experiment);
+}
+
+}  // namespace
+
+void complete_commit(RunFacts& facts) {
+  if (facts.commit.empty()) {
+    if (const auto head = find_commit("HEAD")) facts.commit = head->hash;
+  }
+  if (facts.commit.empty()) {
+    throw InputError(
+        "--commit: the run does not say which commit it is of, and the current folder is no git "
+        "repository: give the commit");
+  }
+  if (!facts.subject.empty() && !facts.commit_time.empty()) return;
+  const auto known = find_commit(clean(facts.commit));
+  if (!known) return;
+  if (facts.subject.empty()) facts.subject = known->subject;
+  if (facts.commit_time.empty()) facts.commit_time = known->time;
+}
+
+ChosenBaseline choose_baseline(const Sqlite* database, const std::vector<std::string>& against,
+                               const std::string& experiment) {
+  if (against.size() == 1) return choose_one(database, against.front(), experiment);
+  ChosenBaseline chosen;
+  for (const std::string& path : against) chosen.side.runs.push_back(read_results(path));
+  return chosen;
 }
 
 }  // namespace occlab::history

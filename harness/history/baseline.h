@@ -22,9 +22,9 @@ struct ChosenBaseline {
 
 /// `against`: the name of an accepted baseline, a results folder or file of measurements, or a
 /// commit whose run is in the history (`database`, nullptr: there is none) or that git knows there
-/// by another name. Runs of that commit and experiment are taken together. Throws InputError saying
-/// what there is.
-ChosenBaseline choose_baseline(const Sqlite* database, const std::string& against,
+/// by another name; or several results, repeated runs of one experiment. Runs of that commit and
+/// experiment are taken together. Throws InputError saying what there is.
+ChosenBaseline choose_baseline(const Sqlite* database, const std::vector<std::string>& against,
                                const std::string& experiment);
 
 }  // namespace occlab::history

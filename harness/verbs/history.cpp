@@ -28,7 +28,7 @@ struct HistoryOptions {
   std::string commit_time;
   bool no_images = false;
   // check
-  std::string against;
+  std::vector<std::string> against;
   std::string settings_file;
   std::vector<std::string> minimum_effects;
   GateSettings gate;
@@ -221,7 +221,7 @@ int check(const HistoryOptions& options) {
   std::optional<Sqlite> database;
   if (std::filesystem::exists(options.db, error)) database.emplace(open_history(options.db, false));
   const Sqlite* const opened = database ? &*database : nullptr;
-  const bool first = options.accept && options.against == options.as &&
+  const bool first = options.accept && options.against == std::vector{options.as} &&
                      (!opened || !current_baseline(*opened, options.as, experiment));
   if (first) return accept_baseline(results, options, nlohmann::json::array());
   const ChosenBaseline baseline = choose_baseline(opened, options.against, experiment);
@@ -300,8 +300,10 @@ void add_check(CLI::App* parent, const Options& options, Action& action) {
       "check", "compare runs with a baseline, metric by metric; exit code 1 on a regression");
   add_results_options(verb, options);
   verb->add_option("--against", options->against,
-                   "an accepted baseline (main), a commit of the history, or other results")
-      ->required();
+                   "an accepted baseline (main), a commit of the history, or other results; given "
+                   "again: repeated runs of these")
+      ->required()
+      ->allow_extra_args(false);
   add_db(verb, options);
   verb->add_option("--settings", options->settings_file,
                    "TOML: level = 0.05 and [minimum_effect] with the classes below");
