@@ -76,10 +76,10 @@ TEST_F(ConfigTest, RunsZipAndExclude) {
 TEST_F(ConfigTest, RangesAreExact) {
   const auto values = [&](const std::string& range) {
     std::vector<std::string> texts;
-    for (const ParameterValue& value :
-         load(changed("steps = [4, 2]", "d_max_world = " + range)).runs[0].grid.axes[0].values) {
-      texts.push_back(to_string(value));
-    }
+    std::string text = with("{from = 0.1, to = 0.3, step = 0.1}", range);
+    text.replace(text.find(", {d_max_world = 0.3, steps = 4}"), 32, "");
+    const std::vector<Axis> axes = load(text).runs[0].grid.axes;
+    for (const ParameterValue& value : axes[2].values) texts.push_back(to_string(value));
     return texts;
   };
   using Texts = std::vector<std::string>;
