@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -36,6 +37,17 @@ void write_submission(const SlurmRun& run, const SlurmSubmission& submission) {
   write_text_atomically(slurm_folder(run.results) / "submission.json", document.dump(2) + "\n");
 }
 
+/// The option that has a job print into RESULTS/slurm/NAME, `name` a pattern of sbatch's. In the
+/// folder's own path a '%' stands for itself.
+std::string output_option(const SlurmRun& run, const std::string& name) {
+  std::string option = "--output=";
+  for (const char letter : slurm_folder(run.results).string()) {
+    option += letter;
+    if (letter == '%') option += letter;
+  }
+  return option + "/" + name;
+}
+
 /// Runs sbatch; returns the job's id.
 std::string submit_job(const SlurmRun& run, const SlurmSettings& settings,
                        std::vector<std::string> arguments, const fs::path& script) {
@@ -46,8 +58,6 @@ std::string submit_job(const SlurmRun& run, const SlurmSettings& settings,
   add("partition", settings.partition);
   add("time", settings.time);
   add("gpus", settings.gpus);
-  // The folder may hold '%', which sbatch would replace in the name of the output: that one is
-  // relative to it.
   add("chdir", run.results.string());
   add("open-mode", "append");
   command.insert(command.end(), arguments.begin(), arguments.end());
@@ -175,6 +185,11 @@ SlurmSubmission submit(const SlurmRun& run, const SlurmSettings& settings) {
     throw DeviceError(
         "--executor slurm: there is no sbatch on the PATH; is this a machine of a Slurm cluster?");
   }
+  if (run.results.string().find('\\') != std::string::npos) {
+    throw InputError(fmt::format(
+        "--out {}: sbatch cannot be given a path with a backslash for what its jobs print",
+        run.results.string()));
+  }
   create_folder(slurm_folder(run.results));
   const std::optional<SlurmSubmission> earlier = read_submission(run.results);
   const Left left = what_is_left(run, earlier, settings.shards);
@@ -199,16 +214,17 @@ SlurmSubmission submit(const SlurmRun& run, const SlurmSettings& settings) {
   if (!left.shards.empty()) {
     std::string indices = array_indices(left.shards);
     if (settings.at_once > 0) indices += fmt::format("%{}", settings.at_once);
-    array = submit_job(run, settings,
-                       {"--job-name=" + name, "--array=" + indices, "--output=slurm/shard-%a.log"},
-                       write_script(run, "shard.sh", settings.shards));
+    array =
+        submit_job(run, settings,
+                   {"--job-name=" + name, "--array=" + indices, output_option(run, "shard-%a.log")},
+                   write_script(run, "shard.sh", settings.shards));
     for (const std::size_t shard : left.shards) {
       submission.tasks[shard] = fmt::format("{}_{}", array, shard);
     }
     fmt::print("array job {}: shards {} of {}\n", array, indices, settings.shards);
   }
   if (!array.empty()) before.push_back(array);
-  std::vector<std::string> measuring = {"--job-name=" + name, "--output=slurm/collect.log"};
+  std::vector<std::string> measuring = {"--job-name=" + name, output_option(run, "collect.log")};
   if (!before.empty()) {
     measuring.push_back(fmt::format("--dependency=afterany:{}", fmt::join(before, ":")));
   }
@@ -222,6 +238,7 @@ SlurmSubmission submit(const SlurmRun& run, const SlurmSettings& settings) {
         fmt::format("{} (the one that measures; the array job was taken back)", error.what()));
   }
   fmt::print("job {} measures when they have ended\n", submission.collect);
+  std::fflush(stdout);
   write_submission(run, submission);
   return submission;
 }

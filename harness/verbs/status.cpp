@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cstdio>
+
 #include "harness/verbs/verbs.h"
 #include "renderers/scene/error.h"
 
@@ -26,6 +28,7 @@ void add_status_verb(CLI::App& app, Action& action) {
       if (!options->rendered || (status.planned > 0 && status.done == status.planned)) {
         return exit_good;
       }
+      std::fflush(stdout);  // the reason is the last line of a job's log
       fmt::print(stderr, "occlab: {}: {} of {} cells are rendered\n", options->results, status.done,
                  status.planned);
       return exit_check_failed;

@@ -77,8 +77,9 @@ class SlurmTest(CliTest):
         self.good("run", experiment, "--out", local, *arguments)
         self.assertEqual(self.cells(), self.cells(local))
         for name in self.cells():
-            self.assertEqual(exr_pixels(self.out / "cells" / name / "layers.exr"),
-                             exr_pixels(local / "cells" / name / "layers.exr"))
+            # Not assertEqual, which would print both.
+            self.assertTrue(exr_pixels(self.out / "cells" / name / "layers.exr") ==
+                            exr_pixels(local / "cells" / name / "layers.exr"), name)
         self.assertEqual(measured(self.out / "measurements.csv"),
                          measured(local / "measurements.csv"))
         for table in sorted((local / "tables").iterdir()):
@@ -141,7 +142,10 @@ class Disturbed(SlurmTest):
         self.wait_for("end of the jobs", lambda: not self.cluster.queue())
 
         status = self.status()
-        self.assertEqual([shard["state"] for shard in status["shards"]], ["died"] * 2)
+        # scancel lets a task say a last word before it kills it; SIGKILL does not.
+        states = [shard["state"] for shard in status["shards"]]
+        self.assertEqual(states[0], "died")
+        self.assertIn(states[1], ("interrupted", "died"))
         self.assertEqual(status["measuring"], "failed")
         self.assertRegex(status["message"], rf"{status['cells_done']} of 49 cells are rendered")
         kept = {name: (self.out / "cells" / name / "layers.exr").stat().st_mtime_ns

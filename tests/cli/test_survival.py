@@ -168,7 +168,7 @@ class Machine(Survival):
                     self.assertEqual(finished.returncode, 3, finished.stderr)
                     last = finished.stderr.splitlines()[-1]
                     self.assertRegex(last, f"^occlab: {disk}")
-                    self.assertIn("No space left", last)
+                    self.assertIn("cannot be written", last)
                     subprocess.run(["mount", "-o", "remount,size=64m", disk], check=True)
                     self.goes_on()
 
@@ -304,10 +304,16 @@ class Damaged(Survival):
         """Any bit of any file of a cell: the cell is rendered again and this is said, or the bit
         means nothing and the numbers are the same. Never are other numbers measured."""
         self.goes_on()
+        # All but the reference's parts, which nobody reads again once their mean is there.
+        report = json.loads((self.out / "run.json").read_text(encoding="utf-8"))
+        read = {cell["id"] for cell in report["cells"] if cell.get("method") != "rtdo"}
+        read.add(report["reference"]["cell"])
+        cells = [cell for cell in self.cells() if cell.name in read]
+        self.assertEqual(len(cells), len(read))
         chance = random.Random(11)
         found = 0
-        for _ in range(24):
-            victim = chance.choice(self.cells())
+        for _ in range(16):
+            victim = chance.choice(cells)
             path = victim / chance.choice(("cell.json", "layers.exr"))
             data = bytearray(path.read_bytes())
             at = chance.randrange(len(data))
@@ -321,7 +327,7 @@ class Damaged(Survival):
                     self.assertIn(f"{victim}: damaged: ", finished.stderr)
                 else:  # a space or a line end between two values
                     self.assertEqual(path.name, "cell.json")
-        self.assertGreater(found, 12)
+        self.assertGreater(found, 8)
 
     def test_cut_files(self):
         self.goes_on()
@@ -375,16 +381,13 @@ class Driver(Survival):
 
     def test_a_shader_that_does_not_compile_names_the_original_line(self):
         """Of an included file as of a method's own."""
-        for path, line in (("renderers/methods/s3ho_lighting.frag", "void main()"),
+        for path, line in (("renderers/methods/s3ho_lighting.frag", "  Sh4 c = sh_unpack("),
                            ("renderers/shared/march.h", "SHARED vec3 march_point(")):
             text = (ROOT / path).read_text(encoding="utf-8").splitlines()
             number = 1 + next(i for i, one in enumerate(text) if one.startswith(line))
             with self.subTest(path):
-                for after in range(1, 16):  # other shaders have such a line, too
-                    self.out = self.folder / f"out{after}"
-                    stderr = self.broken("shader", after=after, line=line)
-                    self.assertRegex(stderr, r"(?m)^occlab: renderers/\S+ does not compile:$")
-                    if f"{path}:{number}" in stderr:
-                        break
-                self.assertIn(f"{path}:{number}", stderr)
+                self.out = self.folder / pathlib.Path(path).name
+                stderr = self.broken("shader", after=1, line=line)
+                self.assertRegex(stderr, r"(?m)^occlab: renderers/\S+ does not compile:$")
+                self.assertIn(f"{path}:{number}: error", stderr)
                 self.goes_on()
