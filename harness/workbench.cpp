@@ -95,10 +95,12 @@ Workbench::Workbench(const ViewSettings& settings, std::shared_ptr<Equipment> eq
                     "environment, and no probe was named",
                     scene().path.string()));
   }
+  const bool dark = probe_.source.empty();
   Lighting lighting(
-      probe_.source.empty() ? constant_environment(glm::vec3(0.0f)) : equipment_->probe(probe_),
+      dark ? constant_environment(glm::vec3(0.0f)) : equipment_->probe(probe_).environment,
       scene().lights, view);
-  probe_hash_ = hash_probe(probe_);  // after the light, which says what is wrong with the name
+  probe_hash_ = dark ? hash_probe(probe_) : equipment_->probe(probe_).hash;
+  if (!scene_->gpu) scene_->gpu.emplace(scene());
   frame_ = std::make_unique<Frame>(Frame{.scene = scene(),
                                          .gpu_scene = *scene_->gpu,
                                          .view = view,
