@@ -7,6 +7,7 @@
 
 #include "harness/files.h"
 #include "renderers/scene/error.h"
+#include "renderers/scene/limited_json.h"
 #include "renderers/scene/parallel.h"
 
 namespace occlab {
@@ -22,7 +23,7 @@ CellDescription describe_cell(const fs::path& folder) {
   if (!fs::is_regular_file(folder / "cell.json", error)) return {};
   json stored;
   try {
-    stored = json::parse(read_text(folder / "cell.json"), nullptr, false);
+    stored = parse_limited_json_or_discard(read_text(folder / "cell.json"));
     CellDescription cell{folder.filename().string(), stored.at("facts").get<Facts>(),
                          stored.at("extra")};
     const auto bytes = stored.at("layers.exr").at("bytes").get<std::uintmax_t>();

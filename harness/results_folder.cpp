@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "harness/files.h"
+#include "renderers/scene/limited_json.h"
 
 namespace occlab {
 namespace fs = std::filesystem;
@@ -16,7 +17,7 @@ void remove_results(const fs::path& folder) {
 
 nlohmann::json ResultsFolder::read_report(const std::function<void(std::string)>& warn) const {
   if (!fs::exists(report()) || !fs::exists(measurements())) return nlohmann::json::object();
-  nlohmann::json stored = nlohmann::json::parse(read_text(report()), nullptr, false);
+  nlohmann::json stored = parse_limited_json_or_discard(read_text(report()));
   if (stored.is_object() &&
       stored.value("measurements_sha256", nlohmann::json()) == sha256_file(measurements())) {
     return stored;

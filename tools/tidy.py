@@ -74,7 +74,7 @@ def main():
     parser.add_argument("--record", action="store_true")
     parser.add_argument("--minutes", type=float, default=float("inf"),
                         help="begin no file later than this; what is left is said")
-    options = parser.parse_args()
+    options = parser.parse_intermixed_args()
 
     tracked = set(subprocess.run(["git", "ls-files", "*.cpp"], cwd=ROOT, capture_output=True,
                                  text=True, check=True).stdout.split())

@@ -4,6 +4,7 @@
 
 #include "harness/history/store.h"
 #include "renderers/scene/error.h"
+#include "renderers/scene/limited_json.h"
 
 // What people decided: baselines and intended changes.
 
@@ -26,7 +27,7 @@ std::vector<Baseline> list_baselines(const Sqlite& database) {
   std::vector<Baseline> all;
   while (rows.step()) {
     all.push_back({rows.text(0), rows.text(1), rows.integer(2), rows.text(3), rows.text(4),
-                   rows.text(5), nlohmann::json::parse(rows.text(6), nullptr, false)});
+                   rows.text(5), parse_limited_json_or_discard(rows.text(6))});
   }
   return all;
 }

@@ -7,6 +7,7 @@
 #include "harness/files.h"
 #include "harness/history/schema.h"
 #include "renderers/scene/error.h"
+#include "renderers/scene/limited_json.h"
 
 namespace occlab::history {
 namespace {
@@ -89,7 +90,7 @@ std::string parameters_text(const std::vector<std::pair<std::string, std::string
 
 std::vector<std::pair<std::string, std::string>> parameters_of(const std::string& text) {
   std::vector<std::pair<std::string, std::string>> parameters;
-  const json pairs = json::parse(text, nullptr, false);
+  const json pairs = parse_limited_json_or_discard(text);
   for (const json& pair : pairs.is_array() ? pairs : json::array()) {
     if (!pair.is_array() || pair.size() != 2 || !pair[0].is_string() || !pair[1].is_string()) {
       throw InputError(fmt::format("history: parameters of a series are damaged: {}", text));
@@ -159,7 +160,7 @@ RunData read_run(const Sqlite& database, const StoredRun& run) {
   data.facts = {run.commit, run.subject, run.commit_time, run.experiment, run.device, nullptr};
   Statement facts(database, "SELECT facts FROM runs WHERE id = ?");
   facts.bind(run.id);
-  if (facts.step()) data.facts.run = json::parse(facts.text(0), nullptr, false);
+  if (facts.step()) data.facts.run = parse_limited_json_or_discard(facts.text(0));
   Statement rows(database,
                  "SELECT s.id, s.experiment, s.scene, s.view, s.resolution, s.probe, s.method, "
                  "s.parameters, s.stage, s.metric, s.unit, s.device, v.value, v.lower, v.upper, "
