@@ -248,6 +248,17 @@ const Format& find_format(const std::string& name) {
   return *format;
 }
 
+/// How many leading columns hold text alone; 1 where all do.
+std::size_t text_columns(const Table& table) {
+  for (std::size_t c = 0; c < table.columns.size(); ++c) {
+    const auto is_text = [&](const auto& row) {
+      return std::holds_alternative<std::string>(row[c]);
+    };
+    if (!std::ranges::all_of(table.rows, is_text)) return c;
+  }
+  return 1;
+}
+
 }  // namespace
 
 SpelledTable spell_markdown(const Table& table) {
@@ -272,7 +283,7 @@ SpelledTable spell_markdown(const Table& table) {
     spelled.right.push_back(column.alignment == Alignment::right);
   }
   spelled.lines.insert(spelled.lines.begin(), std::move(titles));
-  spelled.keys = std::size_t(std::ranges::find(spelled.right, true) - spelled.right.begin());
+  spelled.keys = text_columns(table);
   for (std::size_t i = 0; i < footnotes.size(); ++i) {
     spelled.notes.push_back(fmt::format("({}) {}", i + 1, escape_markdown(footnotes[i])));
   }

@@ -137,15 +137,16 @@ std::string fitted(const SpelledTable& table, std::size_t columns) {
   return rows_of(table, narrowed(widest(table, text_width), widest(table, longest_word), columns));
 }
 
-/// The columns of each block; empty where a column does not fit beside the keys.
-std::vector<std::vector<std::size_t>> blocks_of(const SpelledTable& table, std::size_t columns) {
-  const Widths least = widest(table, longest_word);
-  std::vector<std::size_t> keys(table.keys);
+using Blocks = std::vector<std::vector<std::size_t>>;
+
+/// The columns of each block, the first `count` in all; empty where one does not fit beside these.
+Blocks blocks_of(const Widths& least, std::size_t count, std::size_t columns) {
+  std::vector<std::size_t> keys(count);
   std::iota(keys.begin(), keys.end(), std::size_t(0));
-  const Widths key_widths(least.begin(), least.begin() + std::ptrdiff_t(table.keys));
-  std::vector<std::vector<std::size_t>> blocks;
+  const Widths key_widths(least.begin(), least.begin() + std::ptrdiff_t(count));
+  Blocks blocks;
   std::size_t used = 0;
-  for (std::size_t c = table.keys; c < least.size(); ++c) {
+  for (std::size_t c = count; c < least.size(); ++c) {
     if (blocks.empty() || used + least[c] + 3 > columns) {
       blocks.push_back(keys);
       used = total_width(key_widths);
@@ -171,8 +172,12 @@ std::string records(const SpelledTable& table, std::size_t columns) {
 }
 
 std::string body(const SpelledTable& table, std::size_t columns) {
-  if (total_width(widest(table, longest_word)) <= columns) return fitted(table, columns);
-  const auto blocks = blocks_of(table, columns);
+  const Widths least = widest(table, longest_word);
+  if (total_width(least) <= columns) return fitted(table, columns);
+  Blocks blocks;
+  for (std::size_t keys = table.keys; keys > 0 && blocks.empty(); --keys) {
+    blocks = blocks_of(least, keys, columns);
+  }
   if (blocks.empty()) return records(table, columns);
   std::string text;
   for (const auto& block : blocks) {

@@ -30,8 +30,9 @@ std::string lay_out(const SpelledTable& table);
 /// Lines of at most `columns` characters, for reading; nothing is left out, and neither a number,
 /// an interval nor any other word is cut, but one that is longer than `columns` alone. What fits is
 /// laid out as above. Else, in this order: cells are broken at spaces; the columns are dealt out to
-/// several blocks, each with the leading columns that say what a row is of; and where those leave
-/// no room for one column more, each row becomes a list of its cells.
+/// several blocks of the same rows, each with as many of the leading columns that say what a row is
+/// of as leave room for the others; and where a column does not fit beside the first, each row
+/// becomes a list of its cells.
 std::string lay_out(const SpelledTable& table, std::size_t columns);
 
 /// The width of the terminal that standard output is: $COLUMNS where that is a number above 0, else
