@@ -51,10 +51,11 @@ ChosenBaseline baseline_of(const Sqlite& database, const std::vector<StoredRun>&
 [[noreturn]] void refuse(const Sqlite* database, const std::string& against,
                          const std::string& experiment) {
   if (!database) {
-    throw InputError(
-        fmt::format("--against {}: there is no such results folder or file, and no history (--db) "
-                    "to look it up in; 'occlab history add' begins one",
-                    against));
+    throw InputError(fmt::format(
+        "--against {}: there is no such results folder or file, and no history (--db) "
+        "to look it up in; 'occlab history add' begins one, and --accept --why TEXT makes "
+        "these results the first baseline",
+        against));
   }
   std::set<std::string> known;
   for (const Baseline& baseline : list_baselines(*database)) {

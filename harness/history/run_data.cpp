@@ -124,6 +124,11 @@ std::vector<SeriesValues> collect_series(const std::vector<Measurement>& rows,
     }
   }
   for (SeriesValues& values : all) {
+    // One seed stands for all: so it is with what is said of the reference.
+    if (!values.value && values.by_seed.size() == 1 && values.by_seed.begin()->second) {
+      values.value = values.by_seed.begin()->second;
+      values.n = 1;
+    }
     if (!values.value && values.reason.empty()) values.reason = "no row over all seeds";
   }
   return all;

@@ -92,7 +92,8 @@ class Adding(HistoryTest):
         rows = [row for row in read_csv(results / "measurements.csv")
                 if "_spectrum." not in row["metric"] and "/" not in row["metric"]]
         database = sqlite3.connect(self.db)
-        for table, wanted in (("over_seeds", [r for r in rows if r["seed"] == "all"]),
+        for table, wanted in (("over_seeds", [r for r in rows if r["seed"] == "all"
+                                              or r["metric"].startswith("reference_")]),
                               ("per_seed", [r for r in rows if r["seed"] != "all"])):
             stored = sorted(value for value, in database.execute(
                 f"SELECT value FROM {table} WHERE value IS NOT NULL"))
