@@ -51,13 +51,21 @@ def run(folder, name, seeds, program=OCCLAB, resolution="[80,45]"):
     return read_csv(folder / name / "measurements.csv")
 
 
-def repetition(path, rows, first, shown_first=0):
+def by_seed(rows):
+    """The rows of every seed."""
+    seeds = collections.defaultdict(list)
+    for row in rows:
+        if row["seed"] != "all":
+            seeds[int(row["seed"])].append(row)
+    return seeds
+
+
+def repetition(path, seeds, first, shown_first=0):
     """Writes the measurements of SEEDS seeds from `first` on, called `shown_first`, ...; what is
     over all seeds is their mean."""
     chosen, sums = [], collections.defaultdict(list)
+    rows = [row for seed in range(first, first + SEEDS) for row in seeds[seed]]
     for row in rows:
-        if row["seed"] == "all" or not first <= int(row["seed"]) < first + SEEDS:
-            continue
         copy = dict(row, seed=str(int(row["seed"]) - first + shown_first))
         chosen.append(copy)
         identity = tuple((key, value) for key, value in row.items() if key not in
@@ -87,6 +95,8 @@ def checked(folder, after, before):
 def planted_accuracy(folder, repetitions, base, changes):
     """{change: [(exit code, findings)]}; `base` has twice as many seeds as the repetitions need."""
     results = collections.defaultdict(list)
+    base = by_seed(base)
+    changes = {name: by_seed(rows) for name, rows in changes.items()}
     for number in range(repetitions):
         first = number * SEEDS
         before = repetition(folder / "before.csv", base, first)
