@@ -205,8 +205,7 @@ TEST_F(StoreTest, AnotherKeyInTheCellIsAnError) {
   } catch (const InputError& error) {
     const std::string message = error.what();
     EXPECT_NE(message.find((cell / "cell.json").string()), std::string::npos) << message;
-    EXPECT_NE(message.find(R"(["number","2"] where ["number","1"])"), std::string::npos)
-        << message;
+    EXPECT_NE(message.find(R"(["number","2"] where ["number","1"])"), std::string::npos) << message;
   }
   EXPECT_THROW(store.read(numbered_key(1)), InputError);
   EXPECT_THROW(write(store, 1), InputError);
