@@ -59,6 +59,8 @@ int main(int argc, char** argv) {
   occlab::add_render_verb(app, action);
   occlab::add_compare_verb(app, action);
   occlab::add_table_verb(app, action);
+  occlab::add_query_verb(app, action);
+  occlab::add_why_verb(app, action);
   occlab::add_report_verb(app, action);
   occlab::add_history_verb(app, action);
   occlab::add_verify_verb(app, action);

@@ -13,6 +13,7 @@
 #include "harness/measurement_facts.h"
 #include "harness/metrics/metrics.h"
 #include "harness/published.h"
+#include "harness/results_folder.h"
 #include "harness/table_formats.h"
 #include "renderers/methods/method.h"
 #include "renderers/scene/error.h"
@@ -86,6 +87,12 @@ json read_run(const fs::path& results) {
   if (!run.is_object() || !run.contains("schema")) {
     throw InputError(
         fmt::format("{}: key 'schema': missing; was it written by 'occlab run'?", path.string()));
+  }
+  if (run["schema"] == json(schema_of_several_benches)) {
+    throw InputError(fmt::format(
+        "{}: key 'benches': {} scenes, views, resolutions and probes; a report is of one of them: "
+        "run it on its own with --set. 'occlab table' and 'occlab query' read all",
+        path.string(), run.value("benches", json::array()).size()));
   }
   if (run["schema"] != json(run_schema)) {
     throw InputError(
