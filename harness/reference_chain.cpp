@@ -1,5 +1,7 @@
 #include "harness/reference_chain.h"
 
+#include <fmt/format.h>
+
 #include <cassert>
 #include <numeric>
 
@@ -85,7 +87,9 @@ Layers ReferenceChain::read(std::size_t index) {
   if (index == 0) return read_part_(parts_.front());
   const KeyedCell& mean = means_[index];
   if (store_.has(mean.key)) {
-    if (ReadCell stored = store_.read(mean.key); stored.cell) return std::move(stored.cell->layers);
+    ReadCell stored = store_.read(mean.key);
+    if (stored.cell) return std::move(stored.cell->layers);
+    fmt::print(stderr, "occlab: {}; made again\n", stored.warning);
   }
   const long before = std::accumulate(rays_.begin(), rays_.begin() + long(index), 0L);
   Layers merged =

@@ -12,7 +12,7 @@ import slurm_cluster
 from support import OCCLAB, SMALL_EXPERIMENT, CliTest, exr_pixels, measured, occlab
 
 # Long enough to be met in its middle.
-LONG = SMALL_EXPERIMENT.replace("[48, 27]", "[160, 90]").replace("seeds = 2", "seeds = 24")
+LONG = SMALL_EXPERIMENT.replace("[48, 27]", "[160, 90]").replace("seeds = 2", "seeds = 60")
 # What a shell, sbatch's file name patterns and a batch script's directives would make something of.
 HOSTILE = "it's \"a\" $(touch pwned) `touch pwned`; %a\n#SBATCH --nonsense\n"
 
@@ -147,11 +147,11 @@ class Disturbed(SlurmTest):
         self.assertEqual(states[0], "died")
         self.assertIn(states[1], ("interrupted", "died"))
         self.assertEqual(status["measuring"], "failed")
-        self.assertRegex(status["message"], rf"{status['cells_done']} of 49 cells are rendered")
+        self.assertRegex(status["message"], rf"{status['cells_done']} of 121 cells are rendered")
         kept = {name: (self.out / "cells" / name / "layers.exr").stat().st_mtime_ns
                 for name in self.cells()}
         self.assertGreater(len(kept), 0)
-        self.assertLess(len(kept), 49)
+        self.assertLess(len(kept), 121)
 
         self.finish(experiment, shards=2)
         for name, changed in kept.items():
