@@ -14,8 +14,8 @@ namespace occlab {
 /// the place of these. That of one is of schema 1.
 inline constexpr int schema_of_several_benches = 2;
 
-/// Tables are made of up to so many measurements, which takes some 0.5 GB of memory.
-inline constexpr std::size_t most_rows_of_tables = 200'000;
+/// Tables are made of up to so many measurements, which takes some 0.25 GB of memory.
+inline constexpr std::size_t most_rows_of_tables = 50'000;
 
 /// Removes what a run makes, by name; anything else in the folder is the user's.
 void remove_results(const std::filesystem::path& folder);
