@@ -66,7 +66,7 @@ class Full(CliTest):
         experiment = self.write("small.toml", SMALL_EXPERIMENT)
         out = self.folder / "results"
         self.fails(out, "run", experiment, "--out", out, preexec_fn=self.limit_file_size)
-        self.assertEqual(list(snapshot(out)), ["cells"])
+        self.assertEqual(list((out / "cells").iterdir()), [])
         self.good("run", experiment, "--out", out)
         self.assertEqual(len(list((out / "cells").iterdir())), 5)
 

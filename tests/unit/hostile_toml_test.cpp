@@ -55,7 +55,7 @@ TEST_F(HostileToml, HugeFilesAreRefused) {
 
 TEST_F(HostileToml, OverridesThatAreNoTextFailAsOverrides) {
   test::write_bytes(folder_ / "a.toml", "a = 1");
-  for (const std::string value : {std::string("\xff\xfe"), std::string("a\0b", 3)}) {
+  for (const std::string& value : {std::string("\xff\xfe"), std::string("a\0b", 3)}) {
     test::expect_error<InputError>([&] { parse_toml(folder_ / "a.toml", {"a=" + value}); },
                                    {"--set a="});
   }
