@@ -65,7 +65,8 @@ class Session {
  public:
   Session(const Experiment& experiment, Workbench& bench, const std::vector<TimedCell>& cells,
           Measurement shared)
-      : experiment_(experiment), calibration_(calibrate_clock(bench.frame().programs)) {
+      : experiment_(experiment),
+        calibration_(calibrate_clock(bench.frame().programs, bench.device().software)) {
     fmt::print(stderr, "timing: {}\n", calibration_.verdict);
     shared.clock = to_string(calibration_.clock);
     for (const TimedCell& cell : cells) add(bench, cell, shared);

@@ -50,12 +50,13 @@ struct ClockCalibration {
   std::string verdict;  ///< one sentence with both numbers
 };
 
-/// The query is believed where no reading is rejected and all are within 10% of the wall clock.
-/// `comparisons` is not empty.
-ClockCalibration judge_clocks(const std::vector<ClockComparison>& comparisons);
+/// The query is believed where no reading is rejected and all are within 10% of the wall clock, and
+/// never of a software rasteriser: its clocks agree by chance on a loaded machine, and two runs of
+/// one experiment must have one clock. `comparisons` is not empty.
+ClockCalibration judge_clocks(const std::vector<ClockComparison>& comparisons, bool software);
 
 /// Times a pass of known length (20 ms or more) with both clocks, several times, and judges
 /// (llvmpipe reports 0.8 ms for 451 ms).
-ClockCalibration calibrate_clock(ProgramCache& programs);
+ClockCalibration calibrate_clock(ProgramCache& programs, bool software);
 
 }  // namespace occlab

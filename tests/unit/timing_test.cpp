@@ -52,7 +52,7 @@ TEST(QueryReadings, OnlyPossibleOnesAreBelieved) {
 
 TEST(ClockCalibration, BelievesTheQueryOnlyWhereAllReadingsAgree) {
   const ClockComparison close{{98 * ms}, 100.0};
-  const ClockCalibration believed = judge_clocks({close, {{95 * ms}, 100.0}, close});
+  const ClockCalibration believed = judge_clocks({close, {{95 * ms}, 100.0}, close}, false);
   EXPECT_EQ(believed.clock, Clock::gpu_query);
   EXPECT_DOUBLE_EQ(believed.query_ms, 95.0) << "the worst is what is shown";
   EXPECT_EQ(believed.verdict,
@@ -60,11 +60,19 @@ TEST(ClockCalibration, BelievesTheQueryOnlyWhereAllReadingsAgree) {
             "are by GL_TIME_ELAPSED");
   for (const QueryReading bad : {QueryReading{89 * ms}, QueryReading{101 * ms}, QueryReading{0},
                                  QueryReading{-ms}, QueryReading{98 * ms, 0}}) {
-    const ClockCalibration calibration = judge_clocks({close, {bad, 100.0}, close});
+    const ClockCalibration calibration = judge_clocks({close, {bad, 100.0}, close}, false);
     EXPECT_EQ(calibration.clock, Clock::wall) << bad.nanoseconds;
     EXPECT_TRUE(mentions(calibration.verdict, "not believed; times are by wall clock"))
         << calibration.verdict;
   }
+}
+
+TEST(ClockCalibration, NeverBelievesTheQueryOfASoftwareRasteriser) {
+  const ClockComparison close{{98 * ms}, 100.0};
+  const ClockCalibration calibration = judge_clocks({close, close, close}, true);
+  EXPECT_EQ(calibration.clock, Clock::wall);
+  EXPECT_TRUE(mentions(calibration.verdict, "not believed of a software rasteriser; times are by"))
+      << calibration.verdict;
 }
 
 /// Tasks that take planted times on a clock that they advance themselves.
