@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <exception>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -85,5 +86,8 @@ int main(int argc, char** argv) {
     return report("out of memory", occlab::exit_device_failed);
   } catch (const std::filesystem::filesystem_error& error) {
     return report(error.what(), occlab::exit_device_failed);
+  } catch (const std::exception& error) {  // our bug: a message and an exit code all the same
+    return report(fmt::format("internal error: {}", error.what()).c_str(),
+                  occlab::exit_device_failed);
   }
 }

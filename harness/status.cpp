@@ -15,6 +15,7 @@
 #include "harness/files.h"
 #include "harness/work_log.h"
 #include "renderers/scene/error.h"
+#include "renderers/scene/limited_json.h"
 
 namespace occlab {
 namespace fs = std::filesystem;
@@ -41,7 +42,8 @@ struct Traces {
 
 json read_json(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
-  json document = json::parse(file, nullptr, false);
+  json document = parse_limited_json_or_discard(
+      std::string(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()));
   return document.is_object() ? document : json::object();
 }
 

@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "harness/files.h"
+#include "renderers/scene/limited_json.h"
 
 namespace occlab {
 namespace fs = std::filesystem;
@@ -65,7 +66,8 @@ std::string job_name() {
 /// The state that a log was left in, "" where there is none.
 std::string stored_state(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
-  const json stored = json::parse(file, nullptr, false);
+  const json stored = parse_limited_json_or_discard(
+      std::string(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()));
   return stored.is_object() ? stored.value("state", "") : "";
 }
 

@@ -17,6 +17,7 @@
 #include "harness/toml_reader.h"
 #include "renderers/scene/error.h"
 #include "renderers/scene/interrupt.h"
+#include "renderers/scene/limited_json.h"
 
 namespace occlab {
 namespace fs = std::filesystem;
@@ -164,7 +165,7 @@ std::string array_indices(const std::vector<std::size_t>& indices) {
 std::optional<SlurmSubmission> read_submission(const fs::path& results) {
   const fs::path path = slurm_folder(results) / "submission.json";
   if (!fs::exists(path)) return std::nullopt;
-  const json document = json::parse(read_text(path), nullptr, false);
+  const json document = parse_limited_json_or_discard(read_text(path));
   try {
     SlurmSubmission submission{.key = document.at("key").get<std::string>(),
                                .shards = document.at("shards").get<std::size_t>(),

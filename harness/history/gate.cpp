@@ -125,7 +125,7 @@ class Gate {
     if (!is_time_series(before.series)) return tests_.compare(before, after);
     if (before.series.device != after.series.device) {
       EffectTest none;
-      none.reason = fmt::format("times of other machines are not compared: {}, before {}",
+      none.reason = fmt::format("times of another device or by another clock are not compared: {}, before {}",
                                 after.series.device, before.series.device);
       return none;
     }

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "harness/files.h"
+#include "renderers/scene/limited_json.h"
 
 namespace occlab::report {
 namespace fs = std::filesystem;
@@ -21,7 +22,7 @@ std::set<std::string> planned_cells(const fs::path& results) {
     time = written;
   }
   if (!newest) return {};
-  const auto plan = nlohmann::json::parse(read_text(*newest), nullptr, false);
+  const auto plan = parse_limited_json_or_discard(read_text(*newest));
   if (!plan.is_object() || plan.value("format", nlohmann::json()) != 1) return {};
   std::set<std::string> ids;
   for (const auto& work : plan.value("work", nlohmann::json::array())) {
