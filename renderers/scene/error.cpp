@@ -30,8 +30,10 @@ std::string accepted_words(std::string_view found, std::span<const std::string> 
   const std::string list = fmt::format("accepted: {}", fmt::join(accepted, ", "));
   const auto distance = [&](const std::string& word) { return edit_distance(found, word); };
   const auto closest = std::ranges::min_element(accepted, {}, distance);
-  if (closest == accepted.end() ||
-      distance(*closest) > std::max<std::size_t>(2, found.size() / 3)) {
+  const std::size_t farthest = std::max<std::size_t>(2, found.size() / 3);
+  // As far as the word is long, nothing of it is left.
+  if (closest == accepted.end() || distance(*closest) > farthest ||
+      distance(*closest) >= found.size()) {
     return "; " + list;
   }
   return fmt::format("; did you mean '{}'? {}", *closest, list);

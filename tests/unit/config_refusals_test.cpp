@@ -45,8 +45,8 @@ TEST_F(ConfigTest, MissingFileAndSyntax) {
 TEST_F(ConfigTest, UnknownKeys) {
   EXPECT_ERROR(changed("samples = [16, 8]", "sampels = [16, 8]"),
                at(20, "run[0].sampels") +
-                   "unknown; did you mean 'samples'? accepted: methods, "
-                   "seeds, steps, samples, d_max_world, weight");
+                   "unknown; did you mean 'samples'? accepted: methods, seeds, zip, exclude, "
+                   "steps, samples, d_max_world, weight, gbuffer_bits, cone_angle");
   EXPECT_ERROR(changed("view =", "camera ="), at(7, "scene.camera") + "unknown; accepted: source");
   EXPECT_ERROR(changed("[timing]", "[timings]"),
                at(22, "timings") + "unknown; did you mean 'timing'");
