@@ -13,7 +13,8 @@ namespace {
 
 constexpr double half_last_place = 0x1p-24;
 constexpr int coefficients = 16;
-const glm::vec3 constant_radiance(0.7f, 1.0f, 2.3f);
+/// As packed_radiance.h holds it, to the bit.
+const glm::vec3 constant_radiance(0.6875f, 1.0f, 2.3125f);
 
 /// Coefficients of the light at a point, and the sums of their parts' magnitudes.
 struct LightAtPoint {
