@@ -1,6 +1,7 @@
 """occlab history: runs are stored once, regressions fail, decisions are remembered, pages open."""
 
 import base64
+import collections
 import csv
 import json
 import shutil
@@ -32,6 +33,8 @@ methods = ["ssao", "s3ho"]
 samples = 4
 seeds = 8
 """
+# The columns that say what a row is of, parameters apart.
+IDENTITY = {"experiment", "scene", "view", "resolution", "probe", "method", "stage", "metric"}
 
 
 class HistoryTest(CliTest):
@@ -91,9 +94,15 @@ class Adding(HistoryTest):
                          ("abcd1234", "it's \"new\"", "2026-11-22T10:57:39Z"))
         rows = [row for row in read_csv(results / "measurements.csv")
                 if "_spectrum." not in row["metric"] and "/" not in row["metric"]]
+        series = collections.defaultdict(list)
+        for row in rows:
+            series[tuple(row[name] for name in row if name in IDENTITY
+                         or name.startswith("parameter."))].append(row)
         database = sqlite3.connect(self.db)
-        for table, wanted in (("over_seeds", [r for r in rows if r["seed"] == "all"
-                                              or r["metric"].startswith("reference_")]),
+        # Where one seed is all there is, it stands for all.
+        for table, wanted in (("over_seeds", [r for rows_of_one in series.values()
+                                              for r in rows_of_one
+                                              if r["seed"] == "all" or len(rows_of_one) == 1]),
                               ("per_seed", [r for r in rows if r["seed"] != "all"])):
             stored = sorted(value for value, in database.execute(
                 f"SELECT value FROM {table} WHERE value IS NOT NULL"))
@@ -248,8 +257,9 @@ class Planted(HistoryTest):
 
 
 class Page(HistoryTest):
-    def values(self, data, name):
-        raw = zlib.decompress(base64.b64decode(data["values"][name]))
+    @staticmethod
+    def values(data, name):
+        raw = zlib.decompress(base64.b64decode(data[name]))
         return struct.unpack(f"<{len(raw) // 4}f", raw)
 
     def test_the_page_has_the_numbers_steps_and_pictures(self):
@@ -261,9 +271,10 @@ class Page(HistoryTest):
         page = self.folder / "page"
         self.passes("report", "-o", page)
         text = (page / "index.html").read_text(encoding="utf-8")
-        data = json.loads(text.split('type="application/json">')[1].split("</script>")[0])
+        data, numbers = (json.loads(part.split("</script>")[0])
+                         for part in text.split('type="application/json">')[1:])
         self.assertEqual([run["commit"][0] for run in data["runs"]], list("01234"))
-        values = self.values(data, "value")
+        values = self.values(numbers, "value")
         self.assertEqual(len(values), 5 * len(data["series"]))
         self.assertEqual({(step["run"], step["before_run"], step["verdict"])
                           for step in data["steps"]}, {(3, 2, "WORSE")})
