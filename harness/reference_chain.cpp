@@ -86,11 +86,9 @@ std::vector<KeyedCell> ReferenceChain::steps() const {
 Layers ReferenceChain::read(std::size_t index) {
   if (index == 0) return read_part_(parts_.front());
   const KeyedCell& mean = means_[index];
-  if (store_.has(mean.key)) {
-    ReadCell stored = store_.read(mean.key);
-    if (stored.cell) return std::move(stored.cell->layers);
-    fmt::print(stderr, "occlab: {}; made again\n", stored.warning);
-  }
+  ReadCell stored = store_.read(mean.key);
+  if (stored.cell) return std::move(stored.cell->layers);
+  if (!stored.warning.empty()) fmt::print(stderr, "occlab: {}; made again\n", stored.warning);
   const long before = std::accumulate(rays_.begin(), rays_.begin() + long(index), 0L);
   Layers merged =
       merge_references(read(index - 1), before, read_part_(parts_[index]), rays_[index]);
