@@ -13,8 +13,8 @@
 namespace occlab {
 namespace {
 
-// About what gallery takes at 1280x720 on two cores of an AMD EPYC, llvmpipe and Embree: shares need
-// no more than the proportions.
+// About what gallery takes at 1280x720 on two cores of an AMD EPYC, llvmpipe and Embree: shares
+// need no more than the proportions.
 constexpr double seconds_per_cell = 0.02;           ///< G-buffer, sample set, files
 constexpr double seconds_per_pixel = 0.6e-6;        ///< filter and EXR
 constexpr double seconds_per_march_point = 1.8e-9;  ///< of one direction at one pixel

@@ -125,8 +125,9 @@ class Gate {
     if (!is_time_series(before.series)) return tests_.compare(before, after);
     if (before.series.device != after.series.device) {
       EffectTest none;
-      none.reason = fmt::format("times of another device or by another clock are not compared: {}, before {}",
-                                after.series.device, before.series.device);
+      none.reason =
+          fmt::format("times of another device or by another clock are not compared: {}, before {}",
+                      after.series.device, before.series.device);
       return none;
     }
     std::vector<std::vector<double>> others;
