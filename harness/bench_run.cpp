@@ -228,7 +228,7 @@ void BenchRun::measure(const RowSink& sink) {
                                 settings.tolerance, settings.budget_seconds));
       }
     }
-    sink(measure_budget(stored, cells, identity(), read));
+    sink(measure_budget(stored, cells, identity(), read_and_look_ahead));
   }
 }
 
