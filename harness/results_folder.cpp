@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <string_view>
+#include <system_error>
+
 #include "harness/files.h"
 #include "renderers/scene/limited_json.h"
 
@@ -37,6 +40,22 @@ std::vector<Measurement> ResultsFolder::rows(bool times) const {
 bool ResultsFolder::has_outputs(bool figures) const {
   return fs::exists(measurements()) && fs::exists(folder_ / "tables") &&
          (!figures || fs::exists(folder_ / "figures"));
+}
+
+void ResultsFolder::remove_left_overs() const {
+  const auto remove = [](const fs::path& folder, std::string_view prefix) {
+    std::error_code error;
+    std::vector<fs::path> found;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+      if (entry.path().filename().string().starts_with(prefix)) found.push_back(entry.path());
+    }
+    for (const fs::path& path : found) fs::remove(path, error);
+  };
+  // Temporaries' names are those of the outputs with a dot in front and the process behind.
+  for (const char* outputs : {"tables", "figures"}) remove(folder_ / outputs, ".");
+  for (const fs::path& output : {measurements(), report()}) {
+    remove(folder_, "." + output.filename().string() + ".");
+  }
 }
 
 }  // namespace occlab

@@ -38,6 +38,10 @@ class ResultsFolder {
 
   bool has_outputs(bool figures) const;
 
+  /// Removes what a process that was killed while it wrote outputs has left half-written beside
+  /// them. Nobody else may be writing outputs.
+  void remove_left_overs() const;
+
  private:
   std::filesystem::path folder_;
 };

@@ -102,6 +102,7 @@ class Run {
         return;
       }
       const Claims::Claim others_wait = work_->collect();
+      results_.remove_left_overs();
       measure_what_is_missing(rendered);
       work_->log().end("finished");
     } catch (const Interrupted&) {

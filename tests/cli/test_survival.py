@@ -334,6 +334,20 @@ class Damaged(Survival):
                     self.assertEqual(path.name, "cell.json")
         self.assertGreater(found, 8)
 
+    def test_what_killed_writers_leave_is_removed(self):
+        self.goes_on()
+        (self.out / "measurements.csv").unlink()
+        left = [self.out / name for name in ("tables/.noise.csv.77-3", "figures/.fig.77.png",
+                                             ".measurements.csv.77", ".run.json.77-1")]
+        mine = self.out / ".mine"
+        for path in (*left, mine):
+            path.parent.mkdir(exist_ok=True)
+            path.write_text("half", encoding="utf-8")
+        self.goes_on()
+        self.assertEqual([path for path in left if path.exists()], [])
+        self.assertTrue(mine.exists())
+        self.is_whole()
+
     def test_cut_files(self):
         self.goes_on()
         chance = random.Random(12)
