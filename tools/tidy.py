@@ -4,7 +4,9 @@
 A file that is clean stays clean as long as it, what it includes of this repository, its flags, the
 checks and clang-tidy itself are the same. tools/tidy_clean.txt, which is committed, has the hashes
 of such files, and BUILD/tidy_clean.txt those found clean here; all others are checked. --record
-writes what is clean now into tools/tidy_clean.txt. Exit code 1 if a file is not clean.
+writes what is clean now into tools/tidy_clean.txt. --recorded keeps clean what has once been: it
+checks the files that have a line there and have changed since, and says how many have none. Exit
+code 1 if a file is not clean.
 """
 
 import argparse
@@ -60,6 +62,11 @@ def read_keys(path):
     return {line.split()[0] for line in lines if line and not line.startswith("#")}
 
 
+def recorded_names():
+    lines = RECORD.read_text().splitlines() if RECORD.exists() else []
+    return {line.split()[1] for line in lines if line and not line.startswith("#")}
+
+
 def check(source, build):
     run = subprocess.run(["clang-tidy", "--quiet", "-p", str(build), str(source)],
                          capture_output=True, text=True, check=False)
@@ -72,6 +79,7 @@ def main():
     parser.add_argument("files", nargs="*", help="these only, as git knows them")
     parser.add_argument("-j", "--jobs", type=int, default=2)
     parser.add_argument("--record", action="store_true")
+    parser.add_argument("--recorded", action="store_true")
     parser.add_argument("--minutes", type=float, default=float("inf"),
                         help="begin no file later than this; what is left is said")
     options = parser.parse_intermixed_args()
@@ -92,6 +100,11 @@ def main():
     clean = read_keys(RECORD) | read_keys(local)
     pending = [name for name, key in keys.items() if key not in clean]
     print(f"clang-tidy: {len(keys)} files, {len(keys) - len(pending)} known to be clean")
+    if options.recorded:
+        never = [name for name in pending if name not in recorded_names()]
+        print(f"clang-tidy: {len(never)} files have never been recorded as clean")
+        pending = [name for name in pending if name not in never]
+        keys = {name: key for name, key in keys.items() if name not in never}
 
     failed, left = [], []
     deadline = time.monotonic() + 60 * options.minutes
