@@ -230,6 +230,7 @@ fs::path CellStore::write(const CellKey& key, const Layers& layers, const Metada
     const fs::path exr = temporary / "layers.exr";
     write_exr(exr, layers, metadata);
     sync_path(exr);
+    const std::optional<FileState> state = state_of(exr);
     Json description;
     description["format"] = 1;
     description["key"] = key.hash();
@@ -240,6 +241,7 @@ fs::path CellStore::write(const CellKey& key, const Layers& layers, const Metada
     description["sha256"] = checksum(description);
     write_text_atomically(temporary / "cell.json", description.dump(2) + "\n");
     publish(folder_, temporary, cell, key);
+    remember_verified(cell / "layers.exr", state);  // not one that another process has put there
     sync_path(folder_ / "cells");
   } catch (const fs::filesystem_error& error) {
     std::error_code ignored;
@@ -258,6 +260,29 @@ fs::path CellStore::write(const CellKey& key, const Layers& layers, const Metada
   return cell;
 }
 
+std::optional<CellStore::FileState> CellStore::state_of(const fs::path& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0) return std::nullopt;
+  return FileState{.inode = status.st_ino,
+                   .size = status.st_size,
+                   .seconds = status.st_mtim.tv_sec,
+                   .nanoseconds = status.st_mtim.tv_nsec};
+}
+
+bool CellStore::verified(const fs::path& exr) {
+  const std::optional<FileState> state = state_of(exr);
+  const std::lock_guard lock(mutex_);
+  const auto found = verified_.find(exr);
+  return state && found != verified_.end() && found->second == *state;
+}
+
+/// `state`: that of before its contents were read.
+void CellStore::remember_verified(const fs::path& exr, const std::optional<FileState>& state) {
+  if (!state) return;
+  const std::lock_guard lock(mutex_);
+  verified_[exr] = *state;
+}
+
 ReadCell CellStore::read(const CellKey& key) {
   const fs::path cell = cell_folder(key);
   Inspection found = inspect(cell, key);
@@ -267,8 +292,13 @@ ReadCell CellStore::read(const CellKey& key) {
   };
   if (found.state == Inspection::State::damaged) return damaged(found.reason);
   const Json& description = found.description;
-  if (sha256_file(cell / "layers.exr") != description["layers.exr"]["sha256"]) {
-    return damaged("the checksum of layers.exr is wrong");
+  const fs::path exr = cell / "layers.exr";
+  if (!verified(exr)) {
+    const std::optional<FileState> state = state_of(exr);
+    if (sha256_file(exr) != description["layers.exr"]["sha256"]) {
+      return damaged("the checksum of layers.exr is wrong");
+    }
+    remember_verified(exr, state);
   }
   try {
     ExrFile file = read_exr(cell / "layers.exr");

@@ -1,7 +1,10 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
+#include <map>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -70,11 +73,26 @@ class CellStore {
   std::filesystem::path write(const CellKey& key, const Layers& layers, const Metadata& metadata,
                               const nlohmann::json& extra = nlohmann::json::object());
 
-  /// Verifies the checksums. Throws InputError as has() does.
+  /// Verifies the checksums: of pixels that this process has written or verified before only where
+  /// the file is another one since. Throws InputError as has() does.
   ReadCell read(const CellKey& key);
 
  private:
+  /// What tells a file from one that came in its place or was written to.
+  struct FileState {
+    std::uint64_t inode = 0;
+    std::int64_t size = 0;
+    std::int64_t seconds = 0;
+    std::int64_t nanoseconds = 0;
+    bool operator==(const FileState&) const = default;
+  };
+  static std::optional<FileState> state_of(const std::filesystem::path& path);
+  bool verified(const std::filesystem::path& exr);
+  void remember_verified(const std::filesystem::path& exr, const std::optional<FileState>& state);
+
   std::filesystem::path folder_;
+  std::mutex mutex_;  ///< of verified_: cells are read on several threads
+  std::map<std::filesystem::path, FileState> verified_;
 };
 
 }  // namespace occlab
