@@ -29,7 +29,8 @@ ChosenBaseline baseline_of(const Sqlite& database, const std::vector<StoredRun>&
                            std::int64_t first) {
   ChosenBaseline chosen;
   std::vector<StoredRun> ordered = runs;
-  std::ranges::stable_partition(ordered, [&](const StoredRun& run) { return run.id == first; });
+  std::stable_partition(ordered.begin(), ordered.end(),
+                        [&](const StoredRun& run) { return run.id == first; });
   for (const StoredRun& run : ordered) chosen.side.runs.push_back(read_run(database, run));
   std::vector<StoredRun> all = of_experiment(list_runs(database), runs.front().experiment);
   std::ranges::reverse(all);
