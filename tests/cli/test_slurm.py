@@ -138,6 +138,8 @@ class Disturbed(SlurmTest):
         self.wait_for("first shard", lambda: logs[0].exists() and self.cells())
         os.kill(json.loads(logs[0].read_text(encoding="utf-8"))["process"], signal.SIGKILL)
         self.wait_for("second shard", logs[1].exists)
+        # Held until scancel comes, which may take as long as the rest of the work.
+        os.kill(json.loads(logs[1].read_text(encoding="utf-8"))["process"], signal.SIGSTOP)
         self.cluster.run("scancel", "--signal=KILL", "--full", f"{array}_2")
         self.wait_for("end of the jobs", lambda: not self.cluster.queue())
 
