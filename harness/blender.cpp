@@ -2,29 +2,22 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <chrono>
 #include <csignal>
-#include <cstdlib>
 #include <cstring>
-#include <sstream>
 #include <string_view>
 #include <thread>
 
+#include "harness/spawn.h"
 #include "renderers/scene/error.h"
 #include "renderers/scene/interrupt.h"
 
 namespace occlab {
 namespace fs = std::filesystem;
 namespace {
-
-std::string search_path() {
-  const char* path = std::getenv("PATH");
-  return path ? path : "/usr/local/bin:/usr/bin:/bin";
-}
 
 std::vector<std::string> environment_for(const fs::path& program) {
   std::vector<std::string> variables;
@@ -34,32 +27,6 @@ std::vector<std::string> environment_for(const fs::path& program) {
   variables.push_back(fmt::format("PATH={}:{}", program.parent_path().string(), search_path()));
   return variables;
 }
-
-std::vector<char*> pointers(std::vector<std::string>& texts) {
-  std::vector<char*> all;
-  for (std::string& text : texts) all.push_back(text.data());
-  all.push_back(nullptr);
-  return all;
-}
-
-/// Where the child's output goes.
-class FileActions {
- public:
-  explicit FileActions(const fs::path& log) {
-    posix_spawn_file_actions_init(&actions_);
-    if (log.empty()) return;
-    posix_spawn_file_actions_addopen(&actions_, STDOUT_FILENO, log.c_str(),
-                                     O_WRONLY | O_CREAT | O_TRUNC, 0644);
-    posix_spawn_file_actions_adddup2(&actions_, STDOUT_FILENO, STDERR_FILENO);
-  }
-  ~FileActions() { posix_spawn_file_actions_destroy(&actions_); }
-  FileActions(const FileActions&) = delete;
-  FileActions& operator=(const FileActions&) = delete;
-  const posix_spawn_file_actions_t* get() const { return &actions_; }
-
- private:
-  posix_spawn_file_actions_t actions_;
-};
 
 /// The child's wait status. Polls, so that a signal to this program alone ends the child, too:
 /// waitpid is restarted after signals.
@@ -82,17 +49,11 @@ int wait_for(pid_t child) {
 }  // namespace
 
 fs::path find_blender(const std::string& name) {
-  const auto runs = [](const fs::path& file) {
-    return fs::is_regular_file(file) && ::access(file.c_str(), X_OK) == 0;
-  };
   if (name.find('/') != std::string::npos) {
-    if (runs(name)) return fs::canonical(name);
+    if (is_program(name)) return fs::canonical(name);
     throw InputError(fmt::format("--blender {}: no such program", name));
   }
-  std::istringstream folders(search_path());
-  for (std::string folder; std::getline(folders, folder, ':');) {
-    if (runs(fs::path(folder) / name)) return fs::canonical(fs::path(folder) / name);
-  }
+  if (const auto found = find_on_path(name)) return fs::canonical(*found);
   throw InputError(
       fmt::format("--blender {}: not on the PATH; Debian has it as the package blender", name));
 }
@@ -100,10 +61,14 @@ fs::path find_blender(const std::string& name) {
 int run_blender(const fs::path& blender, std::vector<std::string> arguments, const fs::path& log) {
   arguments.insert(arguments.begin(), blender.string());
   std::vector<std::string> environment = environment_for(blender);
-  const FileActions actions(log);
+  SpawnActions actions;
+  if (!log.empty()) {
+    actions.open(STDOUT_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC);
+    actions.duplicate(STDOUT_FILENO, STDERR_FILENO);
+  }
   pid_t child = 0;
   const int error = posix_spawn(&child, blender.c_str(), actions.get(), nullptr,
-                                pointers(arguments).data(), pointers(environment).data());
+                                spawn_words(arguments).data(), spawn_words(environment).data());
   if (error != 0) {
     throw DeviceError(
         fmt::format("{}: cannot be started: {}", blender.string(), std::strerror(error)));

@@ -13,6 +13,7 @@
 #include "harness/executors/slurm.h"
 #include "harness/executors/slurm_queue.h"
 #include "harness/files.h"
+#include "harness/spawn.h"
 #include "harness/work_log.h"
 #include "renderers/scene/error.h"
 #include "renderers/scene/limited_json.h"
@@ -103,7 +104,7 @@ Traces read_traces(const fs::path& results) {
   traces.submission = read_submission(results);
   read_logs(results, traces);
   traces.cells = cell_names(results);
-  if (traces.submission && is_on_path("squeue")) {
+  if (traces.submission && find_on_path("squeue")) {
     try {
       traces.queue = slurm_queue();
       traces.asked = true;

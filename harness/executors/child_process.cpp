@@ -3,21 +3,18 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
-#include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
-#include <filesystem>
 #include <sstream>
 
+#include "harness/spawn.h"
 #include "renderers/scene/error.h"
 
 namespace occlab {
-namespace fs = std::filesystem;
 namespace {
 
 /// A pipe whose ends this program closes and no child inherits but by adddup2.
@@ -46,23 +43,6 @@ class Pipe {
   std::array<int, 2> ends_ = {-1, -1};
 };
 
-class FileActions {
- public:
-  FileActions(const Pipe& out, const Pipe& err) {
-    posix_spawn_file_actions_init(&actions_);
-    posix_spawn_file_actions_addopen(&actions_, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    posix_spawn_file_actions_adddup2(&actions_, out.write_end(), STDOUT_FILENO);
-    posix_spawn_file_actions_adddup2(&actions_, err.write_end(), STDERR_FILENO);
-  }
-  ~FileActions() { posix_spawn_file_actions_destroy(&actions_); }
-  FileActions(const FileActions&) = delete;
-  FileActions& operator=(const FileActions&) = delete;
-  const posix_spawn_file_actions_t* get() const { return &actions_; }
-
- private:
-  posix_spawn_file_actions_t actions_;
-};
-
 /// Reads both until the child has closed them.
 void read_both(Pipe& out, Pipe& err, ChildResult& result) {
   std::array<pollfd, 2> ends = {{{out.read_end(), POLLIN, 0}, {err.read_end(), POLLIN, 0}}};
@@ -83,15 +63,15 @@ void read_both(Pipe& out, Pipe& err, ChildResult& result) {
 
 ChildResult run_child(const std::vector<std::string>& command) {
   std::vector<std::string> words = command;
-  std::vector<char*> arguments;
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
   Pipe out;
   Pipe err;
-  const FileActions actions(out, err);
+  SpawnActions actions;
+  actions.open(STDIN_FILENO, "/dev/null", O_RDONLY);
+  actions.duplicate(out.write_end(), STDOUT_FILENO);
+  actions.duplicate(err.write_end(), STDERR_FILENO);
   pid_t child = 0;
-  const int error =
-      posix_spawnp(&child, arguments.front(), actions.get(), nullptr, arguments.data(), environ);
+  const int error = posix_spawnp(&child, words.front().c_str(), actions.get(), nullptr,
+                                 spawn_words(words).data(), environ);
   if (error != 0) {
     throw DeviceError(
         fmt::format("{}: cannot be started: {}", command.front(), std::strerror(error)));
@@ -105,17 +85,6 @@ ChildResult run_child(const std::vector<std::string>& command) {
   }
   result.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   return result;
-}
-
-bool is_on_path(const std::string& program) {
-  const char* path = std::getenv("PATH");
-  std::istringstream folders(path ? path : "/usr/local/bin:/usr/bin:/bin");
-  for (std::string folder; std::getline(folders, folder, ':');) {
-    const fs::path file = fs::path(folder) / program;
-    std::error_code ignored;
-    if (fs::is_regular_file(file, ignored) && ::access(file.c_str(), X_OK) == 0) return true;
-  }
-  return false;
 }
 
 std::string shell_word(const std::string& text) {

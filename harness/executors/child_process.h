@@ -15,9 +15,6 @@ struct ChildResult {
 /// Waits for its end. Throws DeviceError if it cannot be started.
 ChildResult run_child(const std::vector<std::string>& command);
 
-/// Whether there is such a program on the PATH.
-bool is_on_path(const std::string& program);
-
 /// `text` as one word of a POSIX shell, whatever is in it but NUL.
 std::string shell_word(const std::string& text);
 

@@ -13,6 +13,7 @@
 #include "harness/executors/slurm_queue.h"
 #include "harness/files.h"
 #include "harness/shards.h"
+#include "harness/spawn.h"
 #include "harness/status.h"
 #include "harness/toml_reader.h"
 #include "renderers/scene/error.h"
@@ -182,7 +183,7 @@ std::optional<SlurmSubmission> read_submission(const fs::path& results) {
 }
 
 SlurmSubmission submit(const SlurmRun& run, const SlurmSettings& settings) {
-  if (!is_on_path("sbatch")) {
+  if (!find_on_path("sbatch")) {
     throw DeviceError(
         "--executor slurm: there is no sbatch on the PATH; is this a machine of a Slurm cluster?");
   }

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <unordered_map>
 
@@ -104,22 +105,21 @@ std::vector<std::string> names_in(const fs::path& csv) {
   return names;
 }
 
-/// Where a column's text is in a measurement.
+/// A column and where its text is in a measurement.
 struct Column {
   std::string name;
-  std::string Measurement::*member = nullptr;  ///< none: a parameter, or the cells
-
-  std::string text(const Measurement& row) const {
-    if (member) return row.*member;
-    if (name == "cells") return fmt::format("{}", fmt::join(row.cells, ";"));
-    const std::string* const value =
-        find_parameter(row, std::string_view(name).substr(parameter_prefix.size()));
-    return value ? *value : std::string();
-  }
+  std::function<std::string(const Measurement&)> text;
 };
 
+Column parameter_column(const std::string& name) {
+  return {name, [parameter = name.substr(parameter_prefix.size())](const Measurement& row) {
+            const std::string* const value = find_parameter(row, parameter);
+            return value ? *value : std::string();
+          }};
+}
+
 std::vector<Column> columns_of(const std::vector<std::string>& names) {
-  const std::map<std::string, std::string Measurement::*> members = {
+  const std::map<std::string, std::function<std::string(const Measurement&)>> texts = {
       {"experiment", &Measurement::experiment},
       {"scene", &Measurement::scene},
       {"view", &Measurement::view},
@@ -133,11 +133,13 @@ std::vector<Column> columns_of(const std::vector<std::string>& names) {
       {"device", &Measurement::device},
       {"clock", &Measurement::clock},
       {"reason", &Measurement::reason},
-      {"reference_cell", &Measurement::reference_cell}};
+      {"reference_cell", &Measurement::reference_cell},
+      {"cells",
+       [](const Measurement& row) { return fmt::format("{}", fmt::join(row.cells, ";")); }}};
   std::vector<Column> columns;
   for (const std::string& name : names) {
-    const auto member = members.find(name);
-    columns.push_back({name, member == members.end() ? nullptr : member->second});
+    const auto text = texts.find(name);
+    columns.push_back(text == texts.end() ? parameter_column(name) : Column{name, text->second});
   }
   return columns;
 }

@@ -1,17 +1,18 @@
 #include "harness/history/previews.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <set>
 
+#include "harness/figures/shrink.h"
 #include "harness/figures/tone_map.h"
 #include "harness/files.h"
 #include "harness/measure.h"
 #include "harness/report/cells.h"
 #include "harness/report/images.h"
 #include "renderers/scene/error.h"
+#include "renderers/scene/temporary_folder.h"
 
 namespace occlab::history {
 namespace fs = std::filesystem;
@@ -19,26 +20,11 @@ namespace {
 
 using nlohmann::json;
 
-/// Means of blocks of factor x factor display values; what is left over at the edges is cut off.
-Image shrink(const Image& image, int factor) {
-  Image small(image.width() / factor, image.height() / factor, image.channels());
-  for (int y = 0; y < small.height() * factor; ++y) {
-    for (int x = 0; x < small.width() * factor; ++x) {
-      for (int c = 0; c < image.channels(); ++c) {
-        small.at(x / factor, y / factor, c) += image.at(x, y, c) / float(factor * factor);
-      }
-    }
-  }
-  return small;
-}
-
 /// The bytes of an image's PNG.
 std::vector<std::uint8_t> png_bytes(const Image& image) {
-  const fs::path path =
-      fs::temp_directory_path() / fmt::format("occlab-preview-{}.png", ::getpid());
-  write_png(path, image);
-  const std::string text = read_text(path);
-  fs::remove(path);
+  const TemporaryFolder folder;
+  write_png(folder / "preview.png", image);
+  const std::string text = read_text(folder / "preview.png");
   return {text.begin(), text.end()};
 }
 

@@ -9,6 +9,7 @@
 #include "harness/comparisons.h"
 #include "harness/files.h"
 #include "harness/measurement_facts.h"
+#include "harness/metrics/metrics.h"
 #include "renderers/scene/error.h"
 
 namespace occlab::history {
@@ -101,7 +102,8 @@ std::string to_string(Direction direction) {
 
 MetricClass class_of(const std::string& metric) {
   if (metric.starts_with("time_")) return MetricClass::time;
-  if (metric == "psnr") return MetricClass::decibel;
+  const auto declared = std::ranges::find(metrics(), metric, &MetricInfo::name);
+  if (declared != metrics().end() && declared->unit == "dB") return MetricClass::decibel;
   return direction_of(metric) == Direction::higher ? MetricClass::similarity : MetricClass::error;
 }
 

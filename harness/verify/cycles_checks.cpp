@@ -1,7 +1,6 @@
 #include "harness/verify/cycles_checks.h"
 
 #include <fmt/format.h>
-#include <stdlib.h>
 
 #include <algorithm>
 #include <chrono>
@@ -15,6 +14,7 @@
 #include "harness/verify/cycles_verdicts.h"
 #include "renderers/scene/error.h"
 #include "renderers/scene/image_io.h"
+#include "renderers/scene/temporary_folder.h"
 #include "renderers/trace/reference.h"
 
 namespace occlab {
@@ -38,28 +38,6 @@ void require_settings(const CyclesSettings& settings) {
   require(settings.view.width >= 1 && settings.view.height >= 1, "resolution",
           fmt::format("{}x{}", settings.view.width, settings.view.height), "1x1 or more");
 }
-
-/// A fresh folder, gone with its content at the end unless it is to be kept.
-class ScratchFolder {
- public:
-  ScratchFolder() {
-    std::string name = (fs::temp_directory_path() / "occlab-cycles-XXXXXX").string();
-    if (!mkdtemp(name.data())) throw DeviceError(fmt::format("{}: cannot be created", name));
-    path_ = name;
-  }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    if (!kept_) fs::remove_all(path_, ignored);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  const fs::path& path() const { return path_; }
-  void keep() { kept_ = true; }
-
- private:
-  fs::path path_;
-  bool kept_ = false;
-};
 
 long for_each_seed(long all, int seeds) { return (all + seeds - 1) / seeds; }
 
@@ -150,7 +128,7 @@ Checks verify_cycles(const CyclesSettings& settings) {
   if (!settings.output.empty()) create_folder(settings.output);
   const Frame& frame = bench.frame();
 
-  ScratchFolder scratch;
+  TemporaryFolder scratch("occlab-cycles-");
   const CyclesRendering cycles =
       render_with_cycles({.scene = bench.scene().path,
                           .view = frame.view,

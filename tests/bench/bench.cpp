@@ -41,7 +41,7 @@ void BM_load_500k_triangles(benchmark::State& state) {
   primitive["attributes"] = {{"POSITION", gltf.add_vec3(positions)},
                              {"NORMAL", gltf.add_vec3(normals)}};
   primitive["indices"] = gltf.add_accessor(test::bytes_of(indices), 5125, "SCALAR", indices.size());
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const std::filesystem::path path = gltf.write(folder / "grid.glb");
   for (auto _ : state) {
     const Scene scene = load_scene(path);

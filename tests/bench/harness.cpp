@@ -31,7 +31,7 @@ const StoredExample& example() {
 /// Writing under a temporary name, syncing and renaming.
 void BM_cell_store_write(benchmark::State& state) {
   const StoredExample& cell = example();
-  std::optional<test::TemporaryFolder> folder;
+  std::optional<TemporaryFolder> folder;
   for (auto _ : state) {
     state.PauseTiming();
     folder.emplace();
@@ -45,7 +45,7 @@ BENCHMARK(BM_cell_store_write)->Unit(benchmark::kMillisecond)->UseRealTime();
 /// Reading and checking what was written.
 void BM_cell_store_read(benchmark::State& state) {
   const StoredExample& cell = example();
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   CellStore store(folder / "results");
   store.write(cell.key, cell.layers, {});
   for (auto _ : state) {

@@ -2,120 +2,20 @@
 with what an undisturbed run has, bit for bit apart from times."""
 
 import contextlib
-import fcntl
-import functools
 import json
 import os
 import random
 import resource
 import shutil
 import signal
-import struct
 import subprocess
 import sys
-import tempfile
 import time
-import pathlib
 
-from support import (OCCLAB, ROOT, SMALL_EXPERIMENT, CliTest, exr_pixels, measured, occlab,
-                     session_folder)
+from support import OCCLAB, occlab
+from survival import TINY, Survival, undisturbed
 
-# All stages but timing: a reference of several parts, an error budget, figures.
-TINY = """\
-format = 1
-[experiment]
-name = "tiny"
-title = "Tiny"
-[scene]
-source = "three_boxes"
-resolution = [64, 36]
-[probe]
-source = "sky_sun"
-[reference]
-method = "rtdo"
-rays_per_pixel = 4
-max_rays_per_pixel = 64
-[[run]]
-methods = ["ssao", "s3ho", "ssdo", "ssbn"]
-samples = 4
-seeds = 3
-[budget]
-tolerance = 0.2
-budget_seconds = 20.0
-[[figure]]
-name = "errors"
-kind = "error_map"
-methods = ["ssao", "s3ho"]
-samples = 4
-scale = 0.5
-"""
 KILLS = 200
-
-
-def digest(out):
-    """All that a finished folder holds but its times: pixels of every cell, numbers, figures."""
-    cells = {}
-    for cell in sorted((out / "cells").iterdir()):
-        if not cell.name.startswith("."):  # what a killed writer left goes after a minute
-            cells[cell.name] = exr_pixels(cell / "layers.exr")
-    pictures = {path.name: path.read_bytes() for path in sorted((out / "figures").glob("*.png"))}
-    tables = {path.name: path.read_bytes() for path in sorted((out / "tables").iterdir())
-              if "time" not in path.name}
-    return cells, measured(out / "measurements.csv"), pictures, tables
-
-
-@functools.cache
-def undisturbed(text):
-    """(digest, seconds) of a run that nothing disturbs."""
-    folder = pathlib.Path(tempfile.mkdtemp(dir=session_folder()))
-    experiment = folder / "tiny.toml"
-    experiment.write_text(text, encoding="utf-8")
-    start = time.monotonic()
-    finished = occlab("run", experiment, "--out", folder / "out")
-    if finished.returncode != 0:
-        raise AssertionError(finished.stderr)
-    return digest(folder / "out"), time.monotonic() - start
-
-
-class Survival(CliTest):
-    def setUp(self):
-        super().setUp()
-        self.experiment = self.write("tiny.toml", TINY)
-        self.out = self.folder / "out"
-
-    def start(self, *arguments, out=None, **settings):
-        process = subprocess.Popen(
-            [OCCLAB, "run", self.experiment, "--out", out or self.out, *arguments],
-            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **settings)
-        self.addCleanup(process.communicate)
-        self.addCleanup(process.kill)
-        return process
-
-    def is_whole(self, out=None, text=TINY):
-        """As an undisturbed run: compared part by part, for a message that can be read."""
-        names = ("cells", "measurements", "figures", "tables")
-        for name, mine, whole in zip(names, digest(out or self.out), undisturbed(text)[0]):
-            if isinstance(mine, dict):
-                self.assertEqual(list(mine), list(whole), name)
-                self.assertEqual([key for key in mine if mine[key] != whole[key]], [], name)
-            else:
-                self.assertEqual(mine, whole, name)
-
-    def goes_on(self, *arguments, **settings):
-        """The same command finishes and has everything."""
-        finished = self.good("run", self.experiment, "--out", self.out, *arguments, **settings)
-        self.is_whole()
-        return finished
-
-    def cells(self, out=None):
-        return sorted((out or self.out).glob("cells/[0-9a-f]*"))
-
-    def wait_for_cells(self, process, count):
-        deadline = time.monotonic() + 60
-        while len(self.cells()) < count:
-            self.assertIsNone(process.poll(), "the run ended too early")
-            self.assertLess(time.monotonic(), deadline)
-            time.sleep(0.002)
 
 
 class Killed(Survival):
@@ -358,55 +258,3 @@ class Damaged(Survival):
             (self.out / "measurements.csv").unlink()
             with self.subTest(name):
                 self.assertIn(f"{victim}: damaged: ", self.goes_on().stderr)
-
-
-class Driver(Survival):
-    """An OpenGL that fails, by a library that is loaded in front of it (broken_driver.c)."""
-
-    @staticmethod
-    @functools.cache
-    def broken_driver():
-        library = session_folder() / "broken_driver.so"
-        subprocess.run(["gcc", "-shared", "-fPIC", "-O1", "-o", library,
-                        ROOT / "tests/cli/broken_driver.c"], check=True)
-        return library
-
-    def broken(self, kind, *arguments, after, line=""):
-        environment = {"LD_PRELOAD": str(self.broken_driver()), "BROKEN": kind,
-                       "BROKEN_AFTER": str(after), "BROKEN_LINE": line}
-        finished = occlab("run", self.experiment, "--out", self.out, *arguments, env=environment)
-        self.assertEqual(finished.returncode, 3, finished.stderr)
-        return finished.stderr
-
-    def test_a_shader_that_hangs_ends_with_its_time(self):
-        start = time.monotonic()
-        stderr = self.broken("hang", "--cell-time-limit", "3", after=20)
-        self.assertGreater(time.monotonic() - start, 3)
-        self.assertRegex(stderr.splitlines()[-1],
-                         r"^occlab: cell [0-9a-f]{16}, \w+ .*: not finished within 3 s "
-                         r"\(--cell-time-limit\); finished cells are kept")
-        self.assertGreater(len(self.cells()), 1)
-        status = json.loads(self.good("status", self.out, "--json").stdout)
-        self.assertEqual(status["measuring"], "failed")
-        self.assertIn("not finished within 3 s", status["message"])
-        self.goes_on("--cell-time-limit", "60")
-
-    def test_a_lost_context_is_said_and_its_picture_not_kept(self):
-        stderr = self.broken("lost", after=20)
-        self.assertRegex(stderr.splitlines()[-1], "^occlab: the graphics context was lost in ")
-        self.assertGreater(len(self.cells()), 1)
-        self.assertLess(len(self.cells()), 13)
-        self.goes_on()
-
-    def test_a_shader_that_does_not_compile_names_the_original_line(self):
-        """Of an included file as of a method's own."""
-        for path, line in (("renderers/methods/s3ho_lighting.frag", "  Sh4 c = sh_unpack("),
-                           ("renderers/shared/march.h", "SHARED vec3 march_point(")):
-            text = (ROOT / path).read_text(encoding="utf-8").splitlines()
-            number = 1 + next(i for i, one in enumerate(text) if one.startswith(line))
-            with self.subTest(path):
-                self.out = self.folder / pathlib.Path(path).name
-                stderr = self.broken("shader", after=1, line=line)
-                self.assertRegex(stderr, r"(?m)^occlab: renderers/\S+ does not compile:$")
-                self.assertIn(f"{path}:{number}: error", stderr)
-                self.goes_on()

@@ -1,13 +1,13 @@
 #pragma once
 
-#include <unistd.h>
-
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <string>
 #include <string_view>
+
+#include "renderers/scene/temporary_folder.h"
 
 namespace occlab::fuzz {
 
@@ -18,29 +18,17 @@ inline std::string_view text_of(const std::uint8_t* data, std::size_t size) {
 /// A folder of this process, removed at its end. $TMPDIR should be in memory.
 class Folder {
  public:
-  Folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "occlab-fuzz-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) std::abort();
-    path_ = name;
-  }
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-
-  const std::filesystem::path& path() const { return path_; }
+  const std::filesystem::path& path() const { return folder_.path(); }
 
   std::filesystem::path write(const std::string& name, std::string_view bytes) const {
-    const std::filesystem::path file = path_ / name;
+    const std::filesystem::path file = folder_ / name;
     std::ofstream stream(file, std::ios::binary | std::ios::trunc);
     stream.write(bytes.data(), std::streamsize(bytes.size()));
     return file;
   }
 
  private:
-  std::filesystem::path path_;
+  TemporaryFolder folder_{"occlab-fuzz-"};
 };
 
 /// Two files in one input: what stands before the first NUL and what follows it.

@@ -1,4 +1,4 @@
-"""Runs inside Blender for test_scenes.py: builds small scenes and exports each.
+"""Runs inside Blender for test_export.py: builds small scenes and exports each.
 
     blender ... --python tests/scenes/export_cases.py -- FOLDER
 
@@ -13,102 +13,16 @@ import pathlib
 import sys
 
 sys.dont_write_bytecode = True
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scenes"))
+sys.path[:0] = [str(pathlib.Path(__file__).resolve().parent)]  # Blender's Python has it not
 import bpy  # noqa: E402
-from mathutils import Matrix, Vector  # noqa: E402
+from mathutils import Matrix  # noqa: E402
 
+from case_parts import (  # noqa: E402
+    BRIGHT_COLUMN, FOLDER, WIDTH, camera, cube, light, map_texture, node_world, render_towards,
+    small_probe)
+import refused_cases  # noqa: E402
 import export  # noqa: E402
-import exr  # noqa: E402
 import modelling  # noqa: E402
-
-FOLDER = pathlib.Path(sys.argv[-1])
-
-
-def camera(name="main", **settings):
-    thing = modelling.camera(name, (0, -6, 2), (0, 0, 0), 40.0)
-    for key, value in settings.items():
-        setattr(thing.data, key, value)
-    return thing
-
-
-def cube(name="cube", material=None, **placing):
-    mesh = modelling.box_mesh(name, (-1, -1, -1), (1, 1, 1))
-    return modelling.add(name, mesh, material, **placing)
-
-
-def light(name, kind, **settings):
-    data = bpy.data.lights.new(name + " data", kind)
-    for key, value in settings.items():
-        setattr(data, key, value)
-    thing = bpy.data.objects.new(name, data)
-    bpy.context.scene.collection.objects.link(thing)
-    return thing
-
-
-def node_world(path=None):
-    """(world, tree, background, environment texture)."""
-    world = bpy.data.worlds.new("lit")
-    bpy.context.scene.world = world
-    world.use_nodes = True
-    tree = world.node_tree
-    background = tree.nodes["Background"]
-    texture = None
-    if path is not None:
-        texture = tree.nodes.new("ShaderNodeTexEnvironment")
-        texture.image = bpy.data.images.load(str(path))
-        texture.interpolation = "Closest"
-        tree.links.new(texture.outputs["Color"], background.inputs["Color"])
-    return world, tree, background, texture
-
-
-def map_texture(tree, texture, kind, **inputs):
-    coordinates = tree.nodes.new("ShaderNodeTexCoord")
-    mapping = tree.nodes.new("ShaderNodeMapping")
-    mapping.vector_type = kind
-    for name, value in inputs.items():
-        mapping.inputs[name.capitalize()].default_value = value
-    tree.links.new(coordinates.outputs["Generated"], mapping.inputs["Vector"])
-    tree.links.new(mapping.outputs["Vector"], texture.inputs["Vector"])
-
-
-WIDTH, HEIGHT, BRIGHT_COLUMN = 72, 36, 50  # texels 5 degrees wide
-
-
-def small_probe(path):
-    """One bright column, from the zenith to the nadir; everything else is dim."""
-    path.parent.mkdir(exist_ok=True)
-    row = [(8.0, 4.0, 2.0) if x == BRIGHT_COLUMN else (0.1, 0.1, 0.1) for x in range(WIDTH)]
-    path.write_bytes(exr.encode(WIDTH, HEIGHT, [row] * HEIGHT))
-    return path
-
-
-def render_towards(directions):
-    """Radiance that Cycles sees, from far outside the scene, in each direction (Blender axes)."""
-    scene = bpy.context.scene
-    scene.render.engine = "CYCLES"
-    scene.cycles.samples, scene.cycles.use_denoising = 4, False
-    scene.cycles.use_adaptive_sampling = False
-    scene.render.resolution_x = scene.render.resolution_y = 4
-    scene.render.image_settings.file_format = "OPEN_EXR"
-    scene.render.image_settings.color_depth = "32"
-    data = bpy.data.cameras.new("probe")
-    data.angle = math.radians(0.5)
-    eye = bpy.data.objects.new("probe", data)
-    scene.collection.objects.link(eye)
-    scene.camera = eye
-    seen = []
-    for direction in directions:
-        eye.location = Vector(direction) * 50.0
-        eye.rotation_euler = modelling.turned(direction)
-        scene.render.filepath = str(FOLDER / "seen.exr")
-        bpy.ops.render.render(write_still=True)
-        image = bpy.data.images.load(scene.render.filepath)
-        seen.append(list(image.pixels[:3]))
-        bpy.data.images.remove(image)
-    return seen
-
-
-# What is carried
 
 
 def case_modifiers_and_instances():
@@ -270,113 +184,9 @@ def case_sheared_by_hierarchy():
     child.matrix_parent_inverse = Matrix.Identity(4)
 
 
-# What is refused
-
-
-def case_refused_no_camera():
-    cube()
-
-
-def case_refused_no_mesh():
-    camera()
-
-
-def case_refused_lens_shift():
-    camera(shift_x=0.1)
-    cube()
-
-
-def case_refused_orthographic():
-    camera(type="ORTHO")
-    cube()
-
-
-def case_refused_area_light():
-    camera()
-    cube()
-    light("window", "AREA", energy=10.0)
-
-
-def case_refused_mixed_material():
-    camera()
-    material = modelling.lambert("mixed", 0.5)
-    tree = material.node_tree
-    mix = tree.nodes.new("ShaderNodeMixShader")
-    tree.links.new(mix.outputs["Shader"], tree.nodes["Material Output"].inputs["Surface"])
-    cube("mixed", material)
-
-
-def case_refused_bright_albedo():
-    camera()
-    cube("bright", modelling.lambert("bright", 1.5))
-
-
-def case_refused_sky_texture():
-    camera()
-    cube()
-    _, tree, background, _ = node_world()
-    sky = tree.nodes.new("ShaderNodeTexSky")
-    tree.links.new(sky.outputs["Color"], background.inputs["Color"])
-
-
-def case_refused_tilted_world():
-    camera()
-    cube()
-    _, tree, _, texture = node_world(small_probe(FOLDER / "probes" / "column.exr"))
-    map_texture(tree, texture, "POINT", rotation=(0.2, 0.0, 0.0))
-
-
-def case_refused_missing_probe():
-    camera()
-    cube()
-    _, _, _, texture = node_world(small_probe(FOLDER / "probes" / "gone.exr"))
-    (FOLDER / "probes" / "gone.exr").unlink()
-
-
-def case_refused_packed_probe():
-    camera()
-    cube()
-    _, _, _, texture = node_world(small_probe(FOLDER / "probes" / "column.exr"))
-    texture.image.pack()
-
-
-def case_refused_metaball():
-    camera()
-    cube()
-    data = bpy.data.metaballs.new("drop")
-    data.elements.new().radius = 1.0
-    bpy.context.scene.collection.objects.link(bpy.data.objects.new("drop", data))
-
-
-def case_refused_node_instances():
-    """Geometry nodes that put a cube on every point of a grid."""
-    camera()
-    thing = cube("scattered")
-    group = bpy.data.node_groups.new("scatter", "GeometryNodeTree")
-    group.inputs.new("NodeSocketGeometry", "Geometry")
-    group.outputs.new("NodeSocketGeometry", "Geometry")
-    start, end = group.nodes.new("NodeGroupInput"), group.nodes.new("NodeGroupOutput")
-    on_points = group.nodes.new("GeometryNodeInstanceOnPoints")
-    small = group.nodes.new("GeometryNodeMeshCube")
-    group.links.new(start.outputs[0], on_points.inputs["Points"])
-    group.links.new(small.outputs["Mesh"], on_points.inputs["Instance"])
-    group.links.new(on_points.outputs["Instances"], end.inputs[0])
-    thing.modifiers.new("scatter", "NODES").node_group = group
-
-
-def case_refused_sheared():
-    """A shear in the parenting itself; Blender's exporter drops it without a word."""
-    camera()
-    parent = bpy.data.objects.new("parent", None)
-    bpy.context.scene.collection.objects.link(parent)
-    child = cube("sheared")
-    child.parent = parent
-    child.matrix_parent_inverse = Matrix.Shear("XY", 4, (0.5, 0.0))
-
-
 def main():
     results = {}
-    for name, case in list(globals().items()):
+    for name, case in [*globals().items(), *vars(refused_cases).items()]:
         if not name.startswith("case_"):
             continue
         name = name[len("case_"):]

@@ -23,7 +23,6 @@ using test::energy;
 using test::grey;
 using test::pi_d;
 using test::rough_image;
-using test::TemporaryFolder;
 using test::texel_direction;
 
 class ProbeFile : public testing::Test {

@@ -17,7 +17,6 @@ namespace {
 
 using nlohmann::json;
 using test::GltfLoader;
-using test::TemporaryFolder;
 using test::tiny_triangle;
 using test::TinyGltf;
 

@@ -43,7 +43,7 @@ class HostileImages : public testing::Test {
     EXPECT_LT(peak_megabytes() - before, 32.0);
   }
 
-  test::TemporaryFolder folder_;
+  TemporaryFolder folder_;
 };
 
 TEST_F(HostileImages, ExrAttributesLieWithinTheFile) {

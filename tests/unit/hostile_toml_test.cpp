@@ -22,7 +22,7 @@ class HostileToml : public testing::Test {
     test::write_bytes(folder_ / "a.toml", text);
     test::expect_error<InputError>([&] { parse_toml(folder_ / "a.toml", {}); }, {"a.toml", part});
   }
-  test::TemporaryFolder folder_;
+  TemporaryFolder folder_;
 };
 
 TEST_F(HostileToml, DeepNestingIsRefusedHoweverItIsHidden) {

@@ -11,8 +11,6 @@
 namespace occlab {
 namespace {
 
-using test::TemporaryFolder;
-
 Image counting_image(int width, int height, int channels, float start) {
   Image image(width, height, channels);
   float value = start;
