@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
 
 #include "renderers/gl/context.h"
 #include "renderers/scene/error.h"
@@ -60,6 +62,25 @@ glm::mat4 clip_from_view(const View& view) {
   return clip;
 }
 
+/// What a material does not need costs nothing: a shader that may discard tests depth late.
+const Program& surface_program(const Material& material, ProgramCache& programs) {
+  std::string defines;
+  if (material.albedo_texture) defines += "#define TEXTURED\n";
+  if (material.alpha_cutoff) defines += "#define MASKED\n";
+  return programs.get("renderers/gl/gbuffer.vert", "renderers/gl/gbuffer.frag", defines);
+}
+
+void set_material(const Program& program, const Material& material, const GpuScene& gpu_scene) {
+  program.set("material_albedo", material.albedo);
+  program.set("material_alpha", material.alpha);
+  if (material.alpha_cutoff) program.set("alpha_cutoff", *material.alpha_cutoff);
+  if (!material.albedo_texture) return;
+  program.set("wrap_u", material.sampling.wrap_u);
+  program.set("wrap_v", material.sampling.wrap_v);
+  program.set("nearest_texel", material.sampling.nearest ? 1 : 0);
+  Program::bind_texture(0, gpu_scene.textures()[std::size_t(*material.albedo_texture)]);
+}
+
 Image rgb_of(const Image& rgba) {
   Image rgb(rgba.width(), rgba.height(), 3);
   for (std::size_t p = 0; p < rgba.pixel_count(); ++p) {
@@ -100,17 +121,21 @@ void delete_vertex_array(GLuint id) { glDeleteVertexArrays(1, &id); }
 
 GpuScene::GpuScene(const Scene& scene) {
   for (const Mesh& mesh : scene.meshes) draws_.push_back(upload(mesh));
+  GLint largest = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
   for (const Image& texture : scene.textures) {
-    textures_.push_back(Texture::from_repeating_image(texture));
+    if (std::max(texture.width(), texture.height()) > largest) {
+      throw DeviceError(fmt::format("{}: a texture has {}x{} texels; this device takes {} a side",
+                                    scene.path.string(), texture.width(), texture.height(),
+                                    largest));
+    }
+    textures_.push_back(Texture::from_image(texture));
   }
 }
 
 void draw_gbuffer(const Framebuffer& targets, const Scene& scene, const GpuScene& gpu_scene,
                   const View& view, ProgramCache& programs) {
-  const Program& program =
-      programs.get("renderers/gl/gbuffer.vert", "renderers/gl/gbuffer.frag", "");
   targets.bind();
-  program.use();
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LESS);
   glDepthMask(GL_TRUE);
@@ -120,19 +145,21 @@ void draw_gbuffer(const Framebuffer& targets, const Scene& scene, const GpuScene
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
 
   const glm::mat4 view_from_world = view.view_from_world();
-  program.set("clip_from_view", clip_from_view(view));
+  const Program* program = nullptr;
   for (const Instance& instance : scene.instances) {
     const Mesh& mesh = scene.meshes[std::size_t(instance.mesh)];
     const Material& material = scene.materials[std::size_t(mesh.material)];
-    const GpuScene::Draw& draw = gpu_scene.draws()[std::size_t(instance.mesh)];
-    const glm::mat4 view_from_object = view_from_world * instance.world_from_object;
-    program.set("view_from_object", view_from_object);
-    program.set("normal_from_object", glm::transpose(glm::inverse(glm::mat3(view_from_object))));
-    program.set("material_albedo", material.albedo);
-    program.set("textured", material.albedo_texture ? 1 : 0);
-    if (material.albedo_texture) {
-      Program::bind_texture(0, gpu_scene.textures()[std::size_t(*material.albedo_texture)]);
+    const Program& needed = surface_program(material, programs);
+    if (&needed != program) {
+      program = &needed;
+      program->use();
+      program->set("clip_from_view", clip_from_view(view));
     }
+    const glm::mat4 view_from_object = view_from_world * instance.world_from_object;
+    program->set("view_from_object", view_from_object);
+    program->set("normal_from_object", glm::transpose(glm::inverse(glm::mat3(view_from_object))));
+    set_material(*program, material, gpu_scene);
+    const GpuScene::Draw& draw = gpu_scene.draws()[std::size_t(instance.mesh)];
     glBindVertexArray(draw.vertex_array.id());
     glDrawElements(GL_TRIANGLES, draw.index_count, GL_UNSIGNED_INT, nullptr);
   }

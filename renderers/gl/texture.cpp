@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 
 #include "renderers/gl/context.h"
 #include "renderers/scene/error.h"
@@ -64,23 +63,6 @@ void Texture::upload(const Image& image) const {
 void Texture::upload_integers(const std::uint32_t* values) const {
   glTextureSubImage2D(id(), 0, 0, 0, width_, height_, GL_RGBA_INTEGER, GL_UNSIGNED_INT, values);
   check_gl("uploading an integer texture");
-}
-
-Texture Texture::from_repeating_image(const Image& image) {
-  Texture texture;
-  texture.object_ = GlObject<delete_texture>(create_texture(GL_TEXTURE_2D, GL_LINEAR, GL_REPEAT));
-  texture.width_ = image.width();
-  texture.height_ = image.height();
-  texture.format_ = GL_RGBA32F;
-  const auto levels = std::bit_width(unsigned(std::max(image.width(), image.height())));
-  glTextureParameteri(texture.id(), GL_TEXTURE_WRAP_T, GL_REPEAT);
-  glTextureParameteri(texture.id(), GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
-  glTextureStorage2D(texture.id(), GLsizei(levels), GL_RGBA32F, image.width(), image.height());
-  glTextureSubImage2D(texture.id(), 0, 0, 0, image.width(), image.height(), GL_RGBA, GL_FLOAT,
-                      rgba(image).data());
-  glGenerateTextureMipmap(texture.id());
-  check_gl("uploading a surface texture");
-  return texture;
 }
 
 Texture Texture::from_equirect_levels(std::span<const Image> levels) {

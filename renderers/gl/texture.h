@@ -59,8 +59,6 @@ class Texture {
 
   /// RGBA32F from an image of 1 to 4 channels; missing channels are 0, missing alpha 1.
   static Texture from_image(const Image& image);
-  /// The same with a full mip chain, trilinear, repeating in both directions: a surface texture.
-  static Texture from_repeating_image(const Image& image);
   /// An RGBA32F array of equirect images of one size: linear filtering, u wraps, v clamps.
   static Texture from_equirect_levels(std::span<const Image> levels);
 

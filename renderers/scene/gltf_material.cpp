@@ -11,6 +11,7 @@
 #include "renderers/scene/image_headers.h"
 #include "renderers/scene/image_size.h"
 #include "renderers/scene/limits.h"
+#include "renderers/shared/surface_texture.h"
 
 namespace occlab {
 namespace {
@@ -30,7 +31,8 @@ std::string image_format(const JsonValue& place, std::span<const std::byte> byte
   place.fail("not a PNG or JPEG image; only these are accepted");
 }
 
-/// A base colour texture as linear RGB. glTF 2.0 section 3.9.2: colour textures are sRGB.
+/// A base colour texture as linear RGB, and alpha if the file has one. glTF 2.0 section 3.9.2:
+/// colour textures are sRGB. Grey ones and those of 16 bits are read as they are meant.
 /// `textures_bytes` is what the textures before it take in memory, and then also this one.
 Image decode_color_texture(const JsonValue& place, std::span<const std::byte> bytes,
                            std::uint64_t& textures_bytes) {
@@ -51,21 +53,52 @@ Image decode_color_texture(const JsonValue& place, std::span<const std::byte> by
   if (!input->open(format, opened, config)) fail();
   const OIIO::ImageSpec& spec = input->spec();
   require_image_size(spec, bytes.size(), Limit::texture_pixels, place.where());
-  textures_bytes = saturating_add(textures_bytes, spec.image_pixels() * 3 * sizeof(float));
+  const int channels = spec.nchannels;
+  const bool has_alpha = channels == 2 || channels == 4;
+  const int kept = has_alpha ? 4 : 3;
+  textures_bytes =
+      saturating_add(textures_bytes, spec.image_pixels() * std::uint64_t(kept) * sizeof(float));
   require_within(Limit::texture_bytes, textures_bytes, "bytes of textures in memory",
                  place.where());
-  const int channels = spec.nchannels;
   std::vector<float> values(std::size_t(spec.width) * std::size_t(spec.height) *
                             std::size_t(channels));
   if (!input->read_image(0, 0, 0, channels, OIIO::TypeDesc::FLOAT, values.data())) fail();
-  Image image(spec.width, spec.height, 3);
+  Image image(spec.width, spec.height, kept);
   for (std::size_t p = 0; p < image.pixel_count(); ++p) {
-    for (std::size_t c = 0; c < 3; ++c) {
-      const std::size_t source = channels >= 3 ? c : 0;  // grey, or grey and alpha
-      image.values()[3 * p + c] = linear_from_srgb(values[p * std::size_t(channels) + source]);
+    const float* from = &values[p * std::size_t(channels)];
+    float* to = &image.values()[p * std::size_t(kept)];
+    for (int c = 0; c < 3; ++c) {
+      to[c] = linear_from_srgb(from[channels >= 3 ? c : 0]);  // grey, or grey and alpha
     }
+    if (has_alpha) to[3] = from[channels - 1];
   }
   return image;
+}
+
+int wrap_mode(const JsonValue& sampler, const char* key) {
+  constexpr std::uint64_t repeat = 10497;
+  constexpr std::uint64_t mirrored_repeat = 33648;
+  constexpr std::uint64_t clamp_to_edge = 33071;
+  const std::uint64_t found = sampler.unsigned_or(key, repeat);
+  if (found == repeat) return wrap_repeat;
+  if (found == mirrored_repeat) return wrap_mirrored_repeat;
+  if (found == clamp_to_edge) return wrap_clamp_to_edge;
+  sampler.at(key).fail(
+      fmt::format("found {}; accepted: {} (repeat), {} (mirrored repeat), {} (clamp to edge)",
+                  found, repeat, mirrored_repeat, clamp_to_edge));
+}
+
+/// Of glTF's filters only that for magnification is used: no smaller levels are read.
+TextureSampling texture_sampling(const JsonValue& sampler) {
+  constexpr std::uint64_t nearest = 9728;
+  constexpr std::uint64_t linear = 9729;
+  const std::uint64_t filter = sampler.unsigned_or("magFilter", linear);
+  if (filter != nearest && filter != linear) {
+    sampler.at("magFilter")
+        .fail(
+            fmt::format("found {}; accepted: {} (nearest), {} (linear)", filter, nearest, linear));
+  }
+  return {wrap_mode(sampler, "wrapS"), wrap_mode(sampler, "wrapT"), filter == nearest};
 }
 
 /// KHR_texture_transform: uv' = T R S uv, where R turns so that rotation pi/2 with offset (0, 1)
@@ -123,11 +156,12 @@ void MaterialTable::read(const JsonValue& json) {
         factor->fail("found a value outside 0 to 1");
       }
       material.albedo = glm::vec3(rgba[0], rgba[1], rgba[2]);
+      material.alpha = float(rgba[3]);
     }
     if (const auto info = pbr->find("baseColorTexture")) {
       const std::size_t gltf_texture =
           info->at("index").index(file_->list("textures").size(), "textures");
-      material.albedo_texture = texture(gltf_texture, material.name);
+      material.albedo_texture = texture(gltf_texture, material);
       std::uint64_t set = info->unsigned_or("texCoord", 0);
       const auto extensions = info->find("extensions");
       if (const auto transform =
@@ -142,8 +176,14 @@ void MaterialTable::read(const JsonValue& json) {
     warn(fmt::format("metallic {:g} is not used; every surface is Lambertian", metallic));
   }
   const std::string alpha_mode = json.text_or("alphaMode", "OPAQUE");
-  if (alpha_mode == "MASK" || alpha_mode == "BLEND") {
-    warn(fmt::format("alphaMode {} is not used; the surface is opaque", alpha_mode));
+  if (alpha_mode == "MASK") {
+    material.alpha_cutoff = json.real_or("alphaCutoff", 0.5f);
+    if (*material.alpha_cutoff < 0.0f) {
+      json.at("alphaCutoff")
+          .fail(fmt::format("found {}; accepted: at least 0", *material.alpha_cutoff));
+    }
+  } else if (alpha_mode == "BLEND") {
+    warn("alphaMode BLEND is not used; the surface is opaque");
   } else if (alpha_mode != "OPAQUE") {
     json.at("alphaMode").fail(fmt::format("found '{}'; accepted: OPAQUE, MASK, BLEND", alpha_mode));
   }
@@ -158,19 +198,17 @@ void MaterialTable::read(const JsonValue& json) {
   uv_sources_.push_back(std::move(uv));
 }
 
-int MaterialTable::texture(std::size_t gltf_texture, const std::string& material_name) {
+int MaterialTable::texture(std::size_t gltf_texture, Material& material) {
   const JsonValue& json = file_->list("textures")[gltf_texture];
   if (const auto sampler = json.find("sampler")) {
     const auto& samplers = file_->list("samplers");
-    const JsonValue& settings = samplers[sampler->index(samplers.size(), "samplers")];
-    constexpr std::uint64_t repeat = 10497;
-    for (const char* wrap : {"wrapS", "wrapT"}) {
-      if (settings.unsigned_or(wrap, repeat) != repeat) {
-        scene_->warnings.push_back(
-            fmt::format("material '{}': {} {} is not used; the texture repeats", material_name,
-                        wrap, settings.unsigned_or(wrap, repeat)));
-      }
-    }
+    material.sampling = texture_sampling(samplers[sampler->index(samplers.size(), "samplers")]);
+  }
+  if (!json.find("source")) {
+    json.fail(
+        fmt::format("material '{}': has no source; accepted: PNG and JPEG images, not those "
+                    "of extensions",
+                    material.name));
   }
   const auto& images = file_->list("images");
   const std::size_t image_index = json.at("source").index(images.size(), "images");

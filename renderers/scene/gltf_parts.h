@@ -30,7 +30,8 @@ class MaterialTable {
 
  private:
   void read(const JsonValue& json);
-  int texture(std::size_t gltf_texture, const std::string& material_name);
+  /// Also sets the material's sampling.
+  int texture(std::size_t gltf_texture, Material& material);
 
   const GltfFile* file_;
   Scene* scene_;

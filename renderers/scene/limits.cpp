@@ -29,7 +29,7 @@ constexpr auto declared = std::to_array<LimitInfo>({
     {Limit::lights, "lights", 4096, "lights of a scene"},
     {Limit::texture_pixels, "texture_pixels", one << 26, "pixels of one texture of a scene"},
     {Limit::texture_bytes, "texture_bytes", one << 30,
-     "bytes of all textures of a scene in memory, 12 a pixel"},
+     "bytes of all textures of a scene in memory, 12 a pixel, with alpha 16"},
     {Limit::probe_pixels, "probe_pixels", one << 27, "pixels of a probe"},
     {Limit::image_pixels, "image_pixels", one << 28, "pixels of a cell or any other image"},
     {Limit::image_channels, "image_channels", 1024, "channels of an image"},

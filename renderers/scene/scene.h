@@ -13,10 +13,23 @@ namespace occlab {
 
 /// glTF space everywhere: right-handed, +Y up, lengths in scene units (Blender metres).
 
+/// How a surface texture is read between and beyond its texels (shared/surface_texture.h).
+struct TextureSampling {
+  int wrap_u = 0;  ///< wrap_repeat, ...
+  int wrap_v = 0;
+  bool nearest = false;  ///< the nearest texel; else bilinear
+};
+
+/// Lambertian and two-sided: both sides of a triangle are seen, block light and reflect the same,
+/// whether or not the file says `doubleSided`.
 struct Material {
   std::string name;
   glm::vec3 albedo{0.8f};             ///< linear RGB reflectance rho, in [0, 1]
   std::optional<int> albedo_texture;  ///< index into Scene::textures, multiplied with `albedo`
+  TextureSampling sampling = {};
+  float alpha = 1.0f;  ///< in [0, 1], multiplied with the texture's alpha
+  /// Where alpha is below it, there is no surface; without one alpha is not looked at.
+  std::optional<float> alpha_cutoff = std::nullopt;
 };
 
 /// Triangles that share one material, in object space.
@@ -72,7 +85,7 @@ struct Scene {
   std::vector<Mesh> meshes;
   std::vector<Instance> instances;
   std::vector<Material> materials;
-  std::vector<Image> textures;  ///< linear RGB
+  std::vector<Image> textures;  ///< linear RGB; a fourth channel is alpha, not multiplied in
   std::vector<Light> lights;
   std::vector<Camera> cameras;
   std::optional<SceneEnvironment> environment;

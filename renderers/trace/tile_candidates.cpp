@@ -315,8 +315,11 @@ void TileCandidates::visit(std::uint32_t index, CellMask mask) {
   if (cap.cosine > 0.5f) restrict(mask, cap);  // wider ones tell little
   if (!open(mask)) return;
   // Not looked at more closely: their rays will be.
-  if (cap.cosine > narrow_cosine) return list({index & 0x7fffffffu, 1}, mask);
+  if (cap.cosine > narrow_cosine) {
+    return node.masked ? mark_many(mask) : list({index & 0x7fffffffu, 1}, mask);
+  }
   if (node.leaf) {
+    if (node.masked) return mark_many(mask);  // Embree asks the masks
     for (std::uint32_t i = 0; i < node.count; ++i) add_triangle(node.link + i, mask);
     return;
   }

@@ -16,8 +16,8 @@ void check_device(RTCDevice device, const char* what) {
   }
 }
 
-/// Takes its own copies, so the Scene may go.
-void attach_triangles(RTCDevice device, RTCScene scene, const Mesh& mesh,
+/// Takes its own copies, so the Scene may go. `mask`: null if the mesh has no holes.
+void attach_triangles(RTCDevice device, RTCScene scene, const Mesh& mesh, const AlphaMask* mask,
                       const glm::mat4& scene_from_object) {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0,
@@ -32,6 +32,7 @@ void attach_triangles(RTCDevice device, RTCScene scene, const Mesh& mesh,
     for (int axis = 0; axis < 3; ++axis) *vertices++ = p[axis];
   }
   std::copy(mesh.indices.begin(), mesh.indices.end(), indices);
+  if (mask) mask->attach_to(geometry);
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(scene, geometry);
   rtcReleaseGeometry(geometry);
@@ -60,7 +61,8 @@ RTCDevice new_device() {
 }  // namespace
 
 TracedScene::TracedScene(const Scene& scene)
-    : device_(new_device()),
+    : masks_(alpha_masks(scene)),
+      device_(new_device()),
       bounding_radius_(scene.bounding_radius()),
       tree_(device_.get(), scene) {
   scene_.reset(rtcNewScene(device_.get()));
@@ -74,13 +76,15 @@ TracedScene::TracedScene(const Scene& scene)
     const auto index = std::size_t(instance.mesh);
     const Mesh& mesh = scene.meshes[index];
     if (uses[index] == 1) {
-      attach_triangles(device_.get(), scene_.get(), mesh, instance.world_from_object);
+      attach_triangles(device_.get(), scene_.get(), mesh, masks_[index].get(),
+                       instance.world_from_object);
       continue;
     }
     if (!prototypes[index]) {
       prototypes[index].reset(rtcNewScene(device_.get()));
       rtcSetSceneBuildQuality(prototypes[index].get(), RTC_BUILD_QUALITY_HIGH);
-      attach_triangles(device_.get(), prototypes[index].get(), mesh, glm::mat4(1.0f));
+      attach_triangles(device_.get(), prototypes[index].get(), mesh, masks_[index].get(),
+                       glm::mat4(1.0f));
       rtcCommitScene(prototypes[index].get());
     }
     attach_instance(device_.get(), scene_.get(), prototypes[index].get(),

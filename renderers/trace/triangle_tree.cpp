@@ -39,9 +39,15 @@ void* create_leaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* pr
   return new (memory) BuildNode{{}, primitives, count};
 }
 
-std::vector<Triangle> world_triangles(const Scene& scene) {
+/// The scene's triangles, world space, and which of them have an alpha mask.
+struct SourceTriangles {
   std::vector<Triangle> triangles;
-  triangles.reserve(scene.triangle_count());
+  std::vector<bool> masked;
+};
+
+SourceTriangles world_triangles(const Scene& scene) {
+  SourceTriangles source;
+  source.triangles.reserve(scene.triangle_count());
   for (const Instance& instance : scene.instances) {
     const Mesh& mesh = scene.meshes[std::size_t(instance.mesh)];
     const auto corner = [&](std::size_t index) {
@@ -50,10 +56,12 @@ std::vector<Triangle> world_triangles(const Scene& scene) {
     };
     for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
       const glm::vec3 first = corner(i);
-      triangles.push_back({first, corner(i + 1) - first, corner(i + 2) - first});
+      source.triangles.push_back({first, corner(i + 1) - first, corner(i + 2) - first});
     }
+    const bool masked = scene.materials[std::size_t(mesh.material)].alpha_cutoff.has_value();
+    source.masked.resize(source.triangles.size(), masked);
   }
-  return triangles;
+  return source;
 }
 
 std::vector<RTCBuildPrimitive> boxes(const std::vector<Triangle>& triangles) {
@@ -70,7 +78,7 @@ std::vector<RTCBuildPrimitive> boxes(const std::vector<Triangle>& triangles) {
 /// Writes a subtree out depth first.
 class Flattener {
  public:
-  Flattener(const std::vector<Triangle>& source, std::vector<Node>& nodes,
+  Flattener(const SourceTriangles& source, std::vector<Node>& nodes,
             std::vector<Triangle>& triangles)
       : source_(source), nodes_(nodes), triangles_(triangles) {}
 
@@ -88,27 +96,30 @@ class Flattener {
     nodes_[index] = {.lower = min(a.lower, b.lower),
                      .link = right,
                      .upper = max(a.upper, b.upper),
-                     .count = (a.count + b.count) & 0x7fffffffu,
-                     .leaf = 0};
+                     .count = (a.count + b.count) & 0x3fffffffu,
+                     .leaf = 0,
+                     .masked = (a.masked != 0 || b.masked != 0) ? 1u : 0u};
     return index;
   }
 
  private:
   void write_leaf(const BuildNode& from, Node& node) {
     node.link = std::uint32_t(triangles_.size());
-    node.count = std::uint32_t(from.count) & 0x7fffffffu;
+    node.count = std::uint32_t(from.count) & 0x3fffffffu;
     node.leaf = 1;
+    node.masked = 0;
     node.lower = glm::vec3(std::numeric_limits<float>::infinity());
     node.upper = -node.lower;
     for (std::size_t i = 0; i < from.count; ++i) {
       const RTCBuildPrimitive& box = from.primitives[i];
       node.lower = min(node.lower, glm::vec3(box.lower_x, box.lower_y, box.lower_z));
       node.upper = max(node.upper, glm::vec3(box.upper_x, box.upper_y, box.upper_z));
-      triangles_.push_back(source_[box.primID]);
+      triangles_.push_back(source_.triangles[box.primID]);
+      if (source_.masked[box.primID]) node.masked = 1;
     }
   }
 
-  const std::vector<Triangle>& source_;
+  const SourceTriangles& source_;
   std::vector<Node>& nodes_;
   std::vector<Triangle>& triangles_;
 };
@@ -120,8 +131,8 @@ struct ReleaseBVH {
 }  // namespace
 
 TriangleTree::TriangleTree(RTCDevice device, const Scene& scene) {
-  const std::vector<Triangle> source = world_triangles(scene);
-  std::vector<RTCBuildPrimitive> primitives = boxes(source);
+  const SourceTriangles source = world_triangles(scene);
+  std::vector<RTCBuildPrimitive> primitives = boxes(source.triangles);
   const std::unique_ptr<RTCBVHTy, ReleaseBVH> bvh(rtcNewBVH(device));
   RTCBuildArguments arguments = rtcDefaultBuildArguments();
   arguments.maxLeafSize = leaf_size;
@@ -135,8 +146,8 @@ TriangleTree::TriangleTree(RTCDevice device, const Scene& scene) {
   arguments.createLeaf = create_leaf;
   const auto* root = static_cast<const BuildNode*>(rtcBuildBVH(&arguments));
   if (!root) throw DeviceError("Embree failed in building the tree of triangles");
-  nodes_.reserve(source.size());
-  triangles_.reserve(source.size());
+  nodes_.reserve(source.triangles.size());
+  triangles_.reserve(source.triangles.size());
   Flattener(source, nodes_, triangles_).write(*root);
 }
 

@@ -25,8 +25,9 @@ class TriangleTree {
     glm::vec3 lower;
     std::uint32_t link;  ///< inner: index of the right child; leaf: of the first triangle
     glm::vec3 upper;
-    std::uint32_t count : 31;  ///< triangles below
+    std::uint32_t count : 30;  ///< triangles below
     std::uint32_t leaf : 1;
+    std::uint32_t masked : 1;  ///< some of them may have holes, which only Embree is told of
   };
 
   /// Instances are written out, so the tree takes about 80 bytes a triangle. Throws DeviceError.
