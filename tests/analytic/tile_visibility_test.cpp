@@ -56,6 +56,28 @@ Scene strewn_scene(int count, float size) {
   return builder.instance(count > 0 ? 3 : 2, moved).build();
 }
 
+/// The same with a quarter of every strewn triangle and of every instance cut out.
+Scene masked_scene(int count, float size) {
+  Scene scene = strewn_scene(count, size);
+  scene.materials.push_back(scene.materials[0]);
+  scene.materials[1].albedo_texture = 0;
+  scene.materials[1].alpha_cutoff = 0.5f;
+  Image texture(8, 8, 4, 1.0f);
+  for (int y = 0; y < 4; ++y) {
+    for (int x = 0; x < 4; ++x) texture.at(x, y, 3) = 0.0f;
+  }
+  scene.textures.push_back(texture);
+  for (std::size_t m = 2; m < scene.meshes.size(); ++m) {
+    Mesh& mesh = scene.meshes[m];
+    mesh.material = 1;
+    mesh.uvs.resize(mesh.positions.size());
+    for (std::size_t v = 0; v < mesh.uvs.size(); ++v) {
+      mesh.uvs[v] = {v % 3 == 1 ? 1.0f : 0.0f, v % 3 == 2 ? 1.0f : 0.0f};
+    }
+  }
+  return scene;
+}
+
 /// 16 points within `extent`, whose normals differ by about `bend`; one in ten is not active.
 TileFrame random_tile(Random& random, float extent, float bend) {
   TileFrame tile;
@@ -150,6 +172,28 @@ TEST(TileVisibility, IsEmbrees) {
     EXPECT_GT(counts.blocked, counts.rays / 100);
     EXPECT_LE(counts.different, counts.rays / 200000) << c.triangles << " " << c.reach;
     EXPECT_LE(std::fabs(counts.difference), 3e-6 * double(counts.rays));
+  }
+}
+
+TEST(TileVisibility, HolesAreEmbrees) {
+  for (const int triangles : {40, 2000}) {
+    const TracedScene masked(masked_scene(triangles, 0.2f));
+    const TracedScene whole(strewn_scene(triangles, 0.2f));
+    TileVisibility visibility(masked, {.weight = 0, .d_max_world = 0.8f});
+    TileVisibility without_holes(whole, {.weight = 0, .d_max_world = 0.8f});
+    Random random, same_random;
+    Counts counts, whole_counts;
+    for (int tile_index = 0; tile_index < 200; ++tile_index) {
+      const TileFrame tile = random_tile(random, 0.02f, 0.05f);
+      random_tile(same_random, 0.02f, 0.05f);
+      visibility.set_tile(tile, CellKinds::both, 1024);
+      without_holes.set_tile(tile, CellKinds::both, 1024);
+      compare_tile(tile, 0.8f, visibility, random, counts);
+      compare_tile(tile, 0.8f, without_holes, same_random, whole_counts);
+    }
+    EXPECT_LE(counts.different, counts.rays / 200000) << triangles;
+    EXPECT_LT(counts.blocked, whole_counts.blocked) << triangles;
+    EXPECT_GT(counts.blocked, counts.rays / 100);
   }
 }
 
