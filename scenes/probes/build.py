@@ -1,9 +1,9 @@
-"""Makes the two light probes of this repository, cathedral.exr and sky_sun.exr.
+"""Makes the light probes of this repository: cathedral.exr, cathedral_ldr.exr and sky_sun.exr.
 
     blender --background --factory-startup --python-exit-code 3 --python scenes/probes/build.py \
         [-- FOLDER]
 
-(Blender only for its numpy: any Python with numpy does.) Both are equirect, 256 x 128, linear RGB
+(Blender only for its numpy: any Python with numpy does.) All are equirect, 256 x 128, linear RGB
 radiance, row 0 at the top. A direction's angles are glTF's: azimuth 0 is +X, 90 degrees is +Z, and
 elevation 90 degrees is +Y. Seen from the `main` cameras, which look along -Z, azimuth 0 is to the
 right, 90 behind the camera, 180 to the left and -90 straight ahead.
@@ -192,7 +192,10 @@ def describe(name, image):
 def main():
     arguments = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else []
     folder = pathlib.Path(arguments[0]) if arguments else HERE
-    for name, image in (("cathedral", cathedral()), ("sky_sun", sky_sun())):
+    hdr = cathedral()
+    # As a camera of low dynamic range has it: what is brighter than 1 is 1.
+    ldr = numpy.minimum(hdr, 1.0)
+    for name, image in (("cathedral", hdr), ("cathedral_ldr", ldr), ("sky_sun", sky_sun())):
         describe(name, save(folder / f"{name}.exr", image))
 
 

@@ -148,6 +148,13 @@ class CommittedProbes(unittest.TestCase):
         bright = [pixel for row in rows for pixel in row if max(pixel) > 300]
         self.assertEqual({pixel.index(max(pixel)) for pixel in bright}, {0, 1, 2})
 
+    def test_cathedral_ldr_is_the_same_clipped(self):
+        rows, _, _ = self.probe("cathedral")
+        clipped, highest, _ = self.probe("cathedral_ldr")
+        self.assertEqual(clipped, [[tuple(min(channel, 1.0) for channel in pixel) for pixel in row]
+                                   for row in rows])
+        self.assertLessEqual(highest, 1.0)
+
     def test_sky_sun_has_a_yellow_sun_on_the_right(self):
         rows, highest, _ = self.probe("sky_sun")
         brightest = max((sum(pixel), x, y, pixel) for y, row in enumerate(rows)
@@ -228,7 +235,7 @@ class Rebuilding(WithBlender):
     def test_probes(self):
         made = run_blender("--python", SCENES / "probes" / "build.py", "--", self.folder)
         self.assertEqual(made.returncode, 0, made.stderr)
-        for name in ("cathedral", "sky_sun"):
+        for name in ("cathedral", "cathedral_ldr", "sky_sun"):
             _, _, found = exr.decode((self.folder / f"{name}.exr").read_bytes())
             _, _, expected = exr.decode((SCENES / "probes" / f"{name}.exr").read_bytes())
             worst = max(abs(a - b) / max(b, 1e-3) for row, known in zip(found, expected)
