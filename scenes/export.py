@@ -208,8 +208,11 @@ def blender_export(path, warnings):
                 export_cameras=True, export_lights=True, export_extras=True, export_apply=True,
                 use_active_scene=True, use_visible=True, use_renderable=True, export_colors=False,
                 export_animations=False, export_skins=False, export_morph=False)
+        # Blender counts an image whose colour and alpha are both used as two; surfaces.py has seen to
+        # it that it is one.
         warnings += [f"Blender's exporter: {line.split('WARNING:', 1)[1].strip()}"
-                     for line in said.getvalue().splitlines() if "WARNING:" in line]
+                     for line in said.getvalue().splitlines()
+                     if "WARNING:" in line and "More than one shader node tex image" not in line]
         return glb.parse(path.read_bytes())
     finally:
         path.unlink(missing_ok=True)

@@ -34,20 +34,24 @@ def finish():
 
 
 def lambert(name, albedo):
-    """A Diffuse BSDF of grey `albedo`: Lambertian in Cycles too, which a Principled BSDF is not."""
+    """A Diffuse BSDF of grey or coloured `albedo`: Lambertian in Cycles too, which a Principled
+    BSDF is not."""
     material = bpy.data.materials.new(name)
     material.use_nodes = True
     nodes = material.node_tree.nodes
     nodes.clear()
     diffuse = nodes.new("ShaderNodeBsdfDiffuse")
-    diffuse.inputs["Color"].default_value = (albedo, albedo, albedo, 1.0)
+    rgb = (albedo,) * 3 if isinstance(albedo, float) else albedo
+    diffuse.inputs["Color"].default_value = (*rgb, 1.0)
     output = nodes.new("ShaderNodeOutputMaterial")
     material.node_tree.links.new(diffuse.outputs["BSDF"], output.inputs["Surface"])
     return material
 
 
 def add(name, mesh, material=None, location=(0, 0, 0), rotation_z=0.0, scale=1.0):
-    """Places `mesh` in the scene. The same mesh placed twice is stored once."""
+    """Places `mesh` in the scene. The same mesh placed twice is stored once, and has one material."""
+    if material is not None and mesh.materials and mesh.materials[0] != material:
+        raise ValueError(f"{name}: mesh {mesh.name} has material {mesh.materials[0].name} already")
     thing = bpy.data.objects.new(name, mesh)
     thing.location = location
     thing.rotation_euler = (0.0, 0.0, math.radians(rotation_z))
@@ -56,6 +60,18 @@ def add(name, mesh, material=None, location=(0, 0, 0), rotation_z=0.0, scale=1.0
         mesh.materials.append(material)
     bpy.context.scene.collection.objects.link(thing)
     return thing
+
+
+def in_material(mesh, material):
+    """The mesh if its material is this or none yet, else its copy that has this one."""
+    if not mesh.materials or mesh.materials[0] == material:
+        return mesh
+    name = f"{mesh.name}, {material.name}"
+    if name not in bpy.data.meshes:
+        copy = mesh.copy()
+        copy.name = name
+        copy.materials[0] = material
+    return bpy.data.meshes[name]
 
 
 def mesh_of(name, vertices, faces, smooth=False):
@@ -181,8 +197,8 @@ def sun(name, comes_from, colour, irradiance):
     return thing
 
 
-def probe_world(name):
-    """Lights the scene with scenes/probes/<name>.exr."""
+def probe_world(name, strength=1.0):
+    """Lights the scene with scenes/probes/<name>.exr, its radiance times `strength`."""
     world = bpy.data.worlds.new(name)
     world.use_nodes = True
     tree = world.node_tree
@@ -190,6 +206,7 @@ def probe_world(name):
     image = tree.nodes.new("ShaderNodeTexEnvironment")
     image.image = bpy.data.images.load(str(SCENES / "probes" / f"{name}.exr"))
     background = tree.nodes.new("ShaderNodeBackground")
+    background.inputs["Strength"].default_value = strength
     output = tree.nodes.new("ShaderNodeOutputWorld")
     tree.links.new(image.outputs["Color"], background.inputs["Color"])
     tree.links.new(background.outputs["Background"], output.inputs["Surface"])

@@ -56,8 +56,13 @@ def _take_material(material, warnings):
             warnings.append(f"{where}: its Oren-Nayar roughness is rendered as 0 (Lambert)")
         _principled(material, colour.default_value[:3], texture)
         return
+    masked = material.blend_method == "CLIP"
+    if masked and shader.inputs["Alpha"].is_linked:
+        _check_alpha(shader, texture, where)
     for name, lambert in (("Metallic", 0.0), ("Transmission", 0.0), ("Subsurface", 0.0),
                           ("Sheen", 0.0), ("Clearcoat", 0.0), ("Alpha", 1.0)):
+        if name == "Alpha" and masked:
+            continue
         if shader.inputs[name].is_linked or shader.inputs[name].default_value != lambert:
             warnings.append(f"{where}: {name} is ignored; occlab renders the base colour as "
                             "Lambertian and opaque")
@@ -66,6 +71,14 @@ def _take_material(material, warnings):
             (emits[0].is_linked or any(emits[0].default_value[:3]))
             and (emits[1].is_linked or emits[1].default_value != 0)):
         warnings.append(f"{where}: its emission is ignored; occlab renders no glowing surfaces")
+
+
+def _check_alpha(shader, texture, where):
+    """A mask is the alpha of the colour's own image: glTF has one texture for both."""
+    found, output = source(shader.inputs["Alpha"])
+    if texture is None or found != texture or output.name != "Alpha":
+        raise Refusal(f"{where}: its Alpha comes from a {found.bl_label} node; occlab takes the "
+                      "Alpha of the Image Texture that is its Base Color")
 
 
 def _check_texture(texture, where):

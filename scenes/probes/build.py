@@ -164,6 +164,22 @@ def sky_sun():
     return numpy.where((elevation > 0.0)[..., None], sky, ground)
 
 
+def dusk():
+    """A sky whose sun has set: smooth, and yet brighter and warmer on one side, behind on the right
+    of the camera; for scenes that have lamps of their own."""
+    azimuth, elevation = grid()
+    direction = directions(azimuth, elevation)
+    height = numpy.maximum(numpy.sin(elevation), 0.0)
+    pale, deep = numpy.array([0.55, 0.60, 0.74]), numpy.array([0.20, 0.32, 0.66])
+    sky = (pale - deep) * ((1.0 - height) ** 3)[..., None] + deep
+    glow = 2.4 * numpy.exp(-(angle_to(direction, 55.0, 14.0) / 0.62) ** 2)
+    sky = sky + glow[..., None] * numpy.array([1.0, 0.62, 0.32])
+    ground = 0.12 * numpy.array([1.06, 0.98, 0.86])
+    # The horizon is hazy, not an edge.
+    share = smoothstep(-0.05, 0.05, elevation)[..., None]
+    return sky * share + ground * (1.0 - share)
+
+
 def save(path, image):
     half = image.astype(numpy.float16)
     if not (numpy.isfinite(half).all() and (half >= 0).all()):
@@ -195,7 +211,8 @@ def main():
     hdr = cathedral()
     # As a camera of low dynamic range has it: what is brighter than 1 is 1.
     ldr = numpy.minimum(hdr, 1.0)
-    for name, image in (("cathedral", hdr), ("cathedral_ldr", ldr), ("sky_sun", sky_sun())):
+    for name, image in (("cathedral", hdr), ("cathedral_ldr", ldr), ("sky_sun", sky_sun()),
+                        ("dusk", dusk())):
         describe(name, save(folder / f"{name}.exr", image))
 
 
