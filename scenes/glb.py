@@ -53,6 +53,13 @@ def accessor_bytes(document, blob, index):
     return blob[start:start + size]
 
 
+def view_bytes(document, blob, index):
+    """The bytes of a buffer view, such as an image's."""
+    view = document["bufferViews"][index]
+    start = view.get("byteOffset", 0)
+    return blob[start:start + view["byteLength"]]
+
+
 def accessor_values(document, blob, index):
     """An accessor as one flat array."""
     values = array.array(COMPONENTS[document["accessors"][index]["componentType"]])

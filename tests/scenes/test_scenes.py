@@ -171,6 +171,17 @@ class CommittedProbes(unittest.TestCase):
         self.assertTrue(nadir[0] > nadir[2])            # brown
 
 
+    def test_dusk_is_smooth_and_warm_on_the_right(self):
+        rows, highest, _ = self.probe("dusk")
+        self.assertLess(highest, 3.0)
+        steepest = max(abs(a - b) for row in rows for left, right in zip(row, row[1:] + row[:1])
+                       for a, b in zip(left, right))
+        self.assertLess(steepest, 0.1)
+        at = [rows[56][int(256 * (0.5 + azimuth / 360.0))] for azimuth in (55.0, -125.0)]
+        self.assertGreater(at[0][0], 1.2 * at[0][2])  # the glow
+        self.assertGreater(at[1][2], 1.2 * at[1][0])  # the sky opposite
+
+
 class ExrFile(unittest.TestCase):
     def test_round_trip_keeps_halves(self):
         rows = [[(0.5 * x, 1.0 + y, 2.0 ** -10 * (x ^ y)) for x in range(37)] for y in range(21)]
@@ -222,7 +233,16 @@ class Rebuilding(WithBlender):
                     self.assertEqual(len(a), len(b))
                     self.assertLessEqual(max(abs(x - y) for x, y in zip(a, b)), 1e-6,
                                          f"{mesh['name']} {attribute}")
+        for image, known in zip(found.get("images", []), expected.get("images", []), strict=True):
+            self.assertEqual(image["name"], known["name"])
+            self.assertEqual(glb.view_bytes(found, found_blob, image["bufferView"]),
+                             glb.view_bytes(expected, expected_blob, known["bufferView"]))
         return out
+
+    def test_scenes_of_figures(self):
+        for name in ("skyline", "atrium", "factory", "blocks", "columns", "toes"):
+            with self.subTest(scene=name):
+                self.rebuild(name)
 
     def test_three_boxes(self):
         self.rebuild("three_boxes")
@@ -235,7 +255,7 @@ class Rebuilding(WithBlender):
     def test_probes(self):
         made = run_blender("--python", SCENES / "probes" / "build.py", "--", self.folder)
         self.assertEqual(made.returncode, 0, made.stderr)
-        for name in ("cathedral", "cathedral_ldr", "sky_sun"):
+        for name in ("cathedral", "cathedral_ldr", "sky_sun", "dusk"):
             _, _, found = exr.decode((self.folder / f"{name}.exr").read_bytes())
             _, _, expected = exr.decode((SCENES / "probes" / f"{name}.exr").read_bytes())
             worst = max(abs(a - b) / max(b, 1e-3) for row, known in zip(found, expected)
