@@ -15,6 +15,7 @@ import sys
 sys.dont_write_bytecode = True
 sys.path[:0] = [str(pathlib.Path(__file__).resolve().parent)]  # Blender's Python has it not
 import bpy  # noqa: E402
+import numpy  # noqa: E402
 from mathutils import Matrix  # noqa: E402
 
 from case_parts import (  # noqa: E402
@@ -23,6 +24,7 @@ from case_parts import (  # noqa: E402
 import refused_cases  # noqa: E402
 import export  # noqa: E402
 import modelling  # noqa: E402
+import texturing  # noqa: E402
 
 
 def case_modifiers_and_instances():
@@ -114,6 +116,20 @@ def case_textured_diffuse():
     tree.links.new(texture.outputs["Color"], tree.nodes["Diffuse BSDF"].inputs["Color"])
     thing = cube("painted", material)
     thing.data.uv_layers.new(name="UVMap")
+
+
+def case_masked():
+    camera()
+    leaf = numpy.full((4, 4, 4), 0.5, numpy.float32)
+    leaf[:2, :, 3] = 0.0
+    material = texturing.textured("leaf", texturing.image("leaf", leaf), masked=True)
+    material.alpha_threshold = 0.25
+    thing = cube("leaf", material)
+    thing.data.uv_layers.new(name="UVMap")
+    glass = bpy.data.materials.new("glass")
+    glass.use_nodes = True
+    glass.node_tree.nodes["Principled BSDF"].inputs["Alpha"].default_value = 0.5
+    cube("glass", glass, location=(3, 0, 0))
 
 
 def _turned_world(kind, degrees):

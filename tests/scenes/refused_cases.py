@@ -1,11 +1,13 @@
 """Scenes that the exporter refuses; export_cases.py runs them as its own."""
 
 import bpy
+import numpy
 from mathutils import Matrix
 
 from case_parts import (
     FOLDER, camera, cube, light, map_texture, node_world, small_probe)
 import modelling
+import texturing
 
 
 def case_refused_no_camera():
@@ -44,6 +46,18 @@ def case_refused_mixed_material():
 def case_refused_bright_albedo():
     camera()
     cube("bright", modelling.lambert("bright", 1.5))
+
+
+def case_refused_alpha_of_another_image():
+    camera()
+    grey = numpy.full((4, 4, 4), 0.5, numpy.float32)
+    material = texturing.textured("leaf", texturing.image("leaf", grey), masked=True)
+    tree = material.node_tree
+    other = tree.nodes.new("ShaderNodeTexImage")
+    other.image = texturing.image("other", grey)
+    shader = next(node for node in tree.nodes if node.type == "BSDF_PRINCIPLED")
+    tree.links.new(other.outputs["Alpha"], shader.inputs["Alpha"])
+    cube("leaf", material).data.uv_layers.new(name="UVMap")
 
 
 def case_refused_sky_texture():

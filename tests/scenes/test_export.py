@@ -103,6 +103,15 @@ class Exporting(WithBlender):
         self.assertEqual(surface["metallicFactor"], 0)
         self.assertIn("TEXCOORD_0", document["meshes"][0]["primitives"][0]["attributes"])
 
+    def test_alpha_clip_becomes_a_mask(self):
+        document, _, extras = self.exported("masked")
+        found = {material["name"]: material for material in document["materials"]}
+        self.assertEqual(found["leaf"]["alphaMode"], "MASK")
+        self.assertEqual(found["leaf"]["alphaCutoff"], 0.25)
+        self.assertIn("baseColorTexture", found["leaf"]["pbrMetallicRoughness"])
+        self.assertEqual([w for w in extras["warnings"] if "'leaf'" in w or "exporter" in w], [])
+        self.assertTrue(any("'glass': Alpha is ignored" in w for w in extras["warnings"]), extras)
+
     def test_the_world_s_rotation_is_the_one_that_cycles_renders(self):
         for case, rotation in (("world_point", -40.0), ("world_texture", 25.0)):
             with self.subTest(case=case):
@@ -143,6 +152,7 @@ class Exporting(WithBlender):
             "no_camera": "no camera", "no_mesh": "no mesh", "lens_shift": "camera 'main': lens",
             "orthographic": "type ORTHO", "area_light": "light 'window': type AREA",
             "mixed_material": "material 'mixed': its surface is a Mix Shader",
+            "alpha_of_another_image": "takes the Alpha of the Image Texture that is its Base Color",
             "bright_albedo": "material 'bright': colour [1.5, 1.5, 1.5]",
             "sky_texture": "Sky Texture", "tilted_world": "turn about Z",
             "missing_probe": "gone.exr is missing", "packed_probe": "packed",
