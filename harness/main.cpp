@@ -60,6 +60,7 @@ int main(int argc, char** argv) {
   occlab::add_render_verb(app, action);
   occlab::add_compare_verb(app, action);
   occlab::add_table_verb(app, action);
+  occlab::add_claims_verb(app, action);
   occlab::add_query_verb(app, action);
   occlab::add_why_verb(app, action);
   occlab::add_report_verb(app, action);

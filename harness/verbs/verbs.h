@@ -15,6 +15,7 @@ void add_time_verb(CLI::App& app, Action& action);
 void add_render_verb(CLI::App& app, Action& action);
 void add_compare_verb(CLI::App& app, Action& action);
 void add_table_verb(CLI::App& app, Action& action);
+void add_claims_verb(CLI::App& app, Action& action);
 void add_query_verb(CLI::App& app, Action& action);
 void add_why_verb(CLI::App& app, Action& action);
 void add_report_verb(CLI::App& app, Action& action);
