@@ -21,7 +21,7 @@ hash_folder(renderers renderers_hash)
 hash_folder(harness harness_hash)
 
 execute_process(
-  COMMAND git -C ${ROOT} describe --always --dirty --abbrev=12
+  COMMAND git -C ${ROOT} describe --always --exclude "*" --dirty --abbrev=12
   OUTPUT_VARIABLE commit
   OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
 if(NOT commit)

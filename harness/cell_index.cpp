@@ -5,9 +5,7 @@
 #include <algorithm>
 #include <sstream>
 
-#include "harness/files.h"
 #include "renderers/scene/error.h"
-#include "renderers/scene/limited_json.h"
 #include "renderers/scene/parallel.h"
 
 namespace occlab {
@@ -19,20 +17,12 @@ using Facts = std::vector<std::pair<std::string, std::string>>;
 
 /// An empty id where the cell is not as it was written.
 CellDescription describe_cell(const fs::path& folder) {
-  std::error_code error;
-  if (!fs::is_regular_file(folder / "cell.json", error)) return {};
-  json stored;
   try {
-    stored = parse_limited_json_or_discard(read_text(folder / "cell.json"));
-    CellDescription cell{folder.filename().string(), stored.at("facts").get<Facts>(),
-                         stored.at("extra")};
-    const auto bytes = stored.at("layers.exr").at("bytes").get<std::uintmax_t>();
-    if (fs::file_size(folder / "layers.exr", error) != bytes || error) return {};
-    return cell;
+    const std::optional<json> stored = describe_intact_cell(folder);
+    if (!stored) return {};
+    return {folder.filename().string(), stored->at("facts").get<Facts>(), stored->at("extra")};
   } catch (const json::exception&) {
-    return {};
-  } catch (const InputError&) {
-    return {};  // gone in the meantime
+    return {};  // facts that are no pairs of texts
   }
 }
 

@@ -6,7 +6,6 @@ namespace occlab {
 namespace {
 
 constexpr std::size_t most_bytes = std::size_t(256) << 20;
-constexpr std::size_t most_jobs = 64;
 
 }  // namespace
 
@@ -25,7 +24,7 @@ void CellWriter::write(CellKey key, Layers layers, Metadata metadata, nlohmann::
   }
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] {
-    return jobs_.empty() || (bytes_ + job.bytes <= most_bytes && jobs_.size() < most_jobs);
+    return jobs_.empty() || (bytes_ + job.bytes <= most_bytes && jobs_.size() < most_waiting);
   });
   throw_failure();
   bytes_ += job.bytes;

@@ -20,9 +20,12 @@ class CellWriter {
   CellWriter(const CellWriter&) = delete;
   CellWriter& operator=(const CellWriter&) = delete;
 
-  /// CellStore::write(), some time before flush() returns. Waits while 256 MB or 64 cells are
-  /// waiting. Throws what an earlier write has thrown; that cell is not stored, nor are those after
-  /// it.
+  /// A cell is stored once so many others were given to write() after it.
+  static constexpr std::size_t most_waiting = 64;
+
+  /// CellStore::write(), some time before flush() returns. Waits while 256 MB or most_waiting cells
+  /// are waiting. Throws what an earlier write has thrown; that cell is not stored, nor are those
+  /// after it.
   void write(CellKey key, Layers layers, Metadata metadata, nlohmann::json extra);
 
   /// Waits until all is stored. Throws as write() does.

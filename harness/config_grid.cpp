@@ -172,6 +172,10 @@ RunSettings read_run(TomlTable& table, const std::vector<MethodInfo>& methods) {
   const auto known = known_methods(table, "methods", run.methods, methods);
   run.seeds = read_seeds(table);
   run.grid = read_grid(table, known, run.methods);
+  // The grid's own count is checked before it is crossed; this is at most 4096 times that.
+  check_count(table, "seeds",
+              count_crossed(run.grid) * std::ssize(run.methods) * std::ssize(run.seeds),
+              "the run's axes, methods and seeds");
   for (const MethodInfo* method : known) {
     if (run.seeds != std::vector<long>{0} && !declares(*method, "seed")) {
       table.fail("seeds", fmt::format("method '{}' has no seed; accepted is 1", method->name));

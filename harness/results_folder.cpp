@@ -12,7 +12,7 @@ namespace occlab {
 namespace fs = std::filesystem;
 
 void remove_results(const fs::path& folder) {
-  for (const char* name : {"cells", "claims", "damaged", "progress", "tables", "figures", "report",
+  for (const char* name : {"cells", "locks", "damaged", "progress", "tables", "figures", "report",
                            "measurements.csv", "run.json"}) {
     fs::remove_all(folder / name);
   }

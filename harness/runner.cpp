@@ -87,22 +87,24 @@ class Run {
     for (const auto& bench : benches_)
       std::ranges::move(bench->work_items(), std::back_inserter(items));
     work_.emplace(tools_.store(), std::move(items),
-                  WorkOptions{.shard = options.shard, .cell_seconds = options.cell_seconds},
+                  WorkOptions{.flush = [this] { tools_.writer().flush(); },
+                              .shard = options.shard,
+                              .cell_seconds = options.cell_seconds},
                   [this](std::string warning) { warn(std::move(warning)); });
   }
 
   void finish() {
     try {
       const std::size_t rendered = work_->make_missing();
-      tools_.clock.in(storing_work, [&] { tools_.writer().flush(); });
+      tools_.clock.in(storing_work, [&] { work_->settle(); });
       if (shard_) {
         work_->log().end("rendered");
         fmt::print(stderr, "shard {} is done; the same command without --shard measures\n",
                    to_string(*shard_));
         return;
       }
-      const Claims::Claim others_wait = work_->collect();
-      results_.remove_left_overs();
+      const WorkLocks::Lock others_wait = work_->collect();
+      if (others_wait.held()) results_.remove_left_overs();
       measure_what_is_missing(rendered);
       work_->log().end("finished");
     } catch (const Interrupted&) {
@@ -136,6 +138,7 @@ class Run {
       print_known_tables(previous);
       return;
     }
+    work_->begin_measuring();
     const Measured found = collect(measured, timed, previous);
     const TimingTableSettings settings = timing_table_settings(experiment_, found.timing_context);
     const std::vector<Table> tables = tools_.clock.in(figures_work, [&] {
@@ -215,6 +218,10 @@ class Run {
     }
     found.count = found.rows.size();
     write_measurements(results_.measurements(), found.rows);
+    if (found.count > most_rows_of_tables) {
+      found.rows.clear();
+      say_there_are_no_tables(found.count);
+    }
     return found;
   }
 

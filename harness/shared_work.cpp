@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "harness/cell_writer.h"
 #include "harness/progress.h"
 #include "renderers/scene/interrupt.h"
 #include "renderers/scene/parallel.h"
@@ -12,7 +13,7 @@
 namespace occlab {
 namespace {
 
-// A process that died has lost its claims; one on a machine that died may keep them for a while.
+// A process that died has lost its locks; one on a machine that died may keep them for a while.
 // After that the work is done twice, which costs time and nothing else.
 constexpr std::chrono::seconds patience_for_a_cell(120);
 constexpr std::chrono::seconds patience_for_the_tables(3600);
@@ -45,11 +46,12 @@ SharedWork::SharedWork(CellStore& store, std::vector<WorkItem> items, const Work
       options_(options),
       share_(share_of(items_, options.shard)),
       warn_(std::move(warn)),
-      claims_(store.folder()),
+      locks_(store.folder()),
       log_(store.folder(), planned_work(items_), options.shard),
-      alive_(claims_.take(log_.life())),
       watch_(options.cell_seconds,
-             [this](const std::string& message) { log_.end("failed", message); }) {}
+             [this](const std::string& message) { say_last_words(message); }) {
+  show_alive();
+}
 
 std::size_t SharedWork::make_missing() {
   std::vector<char> finished(share_.size());
@@ -68,7 +70,10 @@ std::size_t SharedWork::make_missing() {
           : "";
   fmt::print(stderr, "{}{} cells, {} to render\n", of_all, share_.size(), missing.size());
 
-  if (missing.empty()) return 0;
+  if (missing.empty()) {
+    if (!log_.was("finished")) begin_measuring();
+    return 0;
+  }
   const double planned = cost_of_share();
   double done = planned;
   for (const WorkItem* item : missing) done -= item->cost;
@@ -80,8 +85,10 @@ std::size_t SharedWork::make_missing() {
     throw_if_interrupted();
     progress.update(at, item->what);
     log_.update(done, planned, item->what);
-    if (const auto claim = claims_.take(item->key.hash())) {
+    show_alive();
+    if (auto lock = locks_.take(item->key.hash())) {
       make(*item);
+      keep(std::move(*lock));
       done += item->cost;
       ++at;
     } else {
@@ -90,8 +97,10 @@ std::size_t SharedWork::make_missing() {
   }
   for (const WorkItem* item : elsewhere) {
     progress.update(at++, item->what + " (waiting for another process)");
-    const auto claim = claims_.wait(item->key.hash(), patience_for_a_cell);
+    auto lock =
+        locks_.wait(item->key.hash(), patience_for_a_cell, [&] { return store_.has(item->key); });
     make(*item);
+    if (lock) keep(std::move(*lock));
     done += item->cost;
   }
   log_.update(done, planned, "");
@@ -103,19 +112,46 @@ void SharedWork::make(const WorkItem& item) {
   watch_.during(fmt::format("cell {}, {}", item.key.id(), item.what), item.make);
 }
 
+/// Another process that writes the same log may have ended since.
+void SharedWork::show_alive() {
+  if (alive_) return;
+  if (auto lock = locks_.take(log_.life())) alive_.emplace(std::move(*lock));
+}
+
+/// Others may think a cell missing until it is stored, which is some time after it was made.
+void SharedWork::keep(WorkLocks::Lock lock) {
+  kept_.push_back(std::move(lock));
+  if (kept_.size() <= CellWriter::most_waiting) return;
+  kept_.pop_front();
+}
+
+void SharedWork::settle() {
+  options_.flush();
+  kept_.clear();
+}
+
+void SharedWork::say_last_words(const std::string& message) {
+  try {
+    options_.flush();
+  } catch (const std::exception& error) {
+    warn_(error.what());
+  }
+  log_.end("failed", message);
+}
+
 std::size_t SharedWork::finished() const {
   return std::size_t(
       std::ranges::count_if(share_, [&](const WorkItem* item) { return store_.has(item->key); }));
 }
 
-Claims::Claim SharedWork::collect() {
+WorkLocks::Lock SharedWork::collect() {
   const std::string hash = sha256_text("measurements and tables");
-  if (auto claim = claims_.take(hash)) return std::move(*claim);
+  if (auto lock = locks_.take(hash)) return std::move(*lock);
   fmt::print(stderr, "another process measures in {}; waiting for it\n", store_.folder().string());
-  if (auto claim = claims_.wait(hash, patience_for_the_tables)) return std::move(*claim);
+  if (auto lock = locks_.wait(hash, patience_for_the_tables)) return std::move(*lock);
   warn_(fmt::format("another process has measured in {} for an hour; not waiting for it any longer",
                     store_.folder().string()));
-  return Claims::nothing();
+  return WorkLocks::nothing();
 }
 
 double SharedWork::cost_of_share() const {

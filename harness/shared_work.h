@@ -1,14 +1,15 @@
 #pragma once
 
+#include <deque>
 #include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "harness/cell_watch.h"
-#include "harness/claims.h"
 #include "harness/shards.h"
 #include "harness/store.h"
+#include "harness/work_locks.h"
 #include "harness/work_log.h"
 
 namespace occlab {
@@ -22,6 +23,7 @@ struct WorkItem {
 };
 
 struct WorkOptions {
+  std::function<void()> flush;         ///< waits until what the items made is stored
   std::optional<Shard> shard;          ///< none: all of the work
   std::optional<double> cell_seconds;  ///< a limit for each item (cell_watch.h)
 };
@@ -37,18 +39,25 @@ class SharedWork {
   /// it and looked at again at the end. Returns how many were missing at first. Throws Interrupted
   /// and what making throws.
   std::size_t make_missing();
+  /// Waits until what was made is stored, and lets others have it.
+  void settle();
   /// Of the share.
   std::size_t finished() const;
   std::size_t planned() const { return share_.size(); }
 
   /// Waits for another process that measures and writes tables, for a long time, and keeps others
   /// from it.
-  Claims::Claim collect();
+  WorkLocks::Lock collect();
 
+  /// Says in the log that the cells are all there and what comes after is at work.
+  void begin_measuring() { log_.begin(cost_of_share()); }
   WorkLog& log() { return log_; }
 
  private:
   void make(const WorkItem& item);
+  void show_alive();
+  void keep(WorkLocks::Lock lock);
+  void say_last_words(const std::string& message);
   double cost_of_share() const;
 
   CellStore& store_;
@@ -56,9 +65,10 @@ class SharedWork {
   WorkOptions options_;
   std::vector<const WorkItem*> share_;
   std::function<void(std::string)> warn_;
-  Claims claims_;
+  WorkLocks locks_;
   WorkLog log_;
-  std::optional<Claims::Claim> alive_;  ///< what 'occlab status' knows a live process by
+  std::optional<WorkLocks::Lock> alive_;  ///< what 'occlab status' knows a live process by
+  std::deque<WorkLocks::Lock> kept_;      ///< of cells that may not be stored yet, oldest first
   CellWatch watch_;
 };
 

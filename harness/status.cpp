@@ -8,12 +8,12 @@
 #include <numeric>
 #include <set>
 
-#include "harness/claims.h"
 #include "harness/executors/child_process.h"
 #include "harness/executors/slurm.h"
 #include "harness/executors/slurm_queue.h"
 #include "harness/files.h"
 #include "harness/spawn.h"
+#include "harness/work_locks.h"
 #include "harness/work_log.h"
 #include "renderers/scene/error.h"
 #include "renderers/scene/limited_json.h"
@@ -146,7 +146,7 @@ std::string state_of(const fs::path& results, const json& log, const std::string
   std::string state = log.value("state", "");
   message = log.value("message", "");
   // Without locks nobody knows; the process may be on another machine.
-  if (state == "running" && Claims::taken(results, WorkLog::life_of(name + ".json")) == false) {
+  if (state == "running" && WorkLocks::taken(results, WorkLog::life_of(name + ".json")) == false) {
     state = "died";
     message = last_line(slurm_log(results, log.value("shard", json())));
   }

@@ -97,8 +97,8 @@ std::string checksum(Json description) {
   return sha256_text(description.dump());
 }
 
-/// Compares cell.json with the key and the size of layers.exr; does not read the pixels.
-Inspection inspect(const fs::path& folder, const CellKey& key) {
+/// Whatever its key is. Compares the size of layers.exr; does not read the pixels.
+Inspection inspect(const fs::path& folder) {
   using State = Inspection::State;
   std::error_code error;
   const fs::file_status status = fs::symlink_status(folder, error);
@@ -138,12 +138,6 @@ Inspection inspect(const fs::path& folder, const CellKey& key) {
   if (description["sha256"] != checksum(description)) {
     return damaged("the checksum of cell.json is wrong");
   }
-  if (const Json wanted = facts_to_json(key); *stored_facts != wanted) {
-    throw InputError(fmt::format(
-        "{}: this cell belongs to another key: {}; it was edited, or two keys share their first 16 "
-        "digits. Remove the cell's folder to render it again",
-        description_path.string(), first_difference(*stored_facts, wanted)));
-  }
   const auto size = fs::file_size(folder / "layers.exr", error);
   if (error) return damaged("layers.exr is missing");
   if (size != (*exr)["bytes"].get<std::uintmax_t>()) {
@@ -151,6 +145,19 @@ Inspection inspect(const fs::path& folder, const CellKey& key) {
                                (*exr)["bytes"].get<std::uintmax_t>()));
   }
   return {State::intact, {}, std::move(description)};
+}
+
+/// As inspect(), and throws InputError if the cell is another one's.
+Inspection inspect(const fs::path& folder, const CellKey& key) {
+  Inspection found = inspect(folder);
+  if (found.state != Inspection::State::intact) return found;
+  if (const Json wanted = facts_to_json(key); found.description["facts"] != wanted) {
+    throw InputError(fmt::format(
+        "{}: this cell belongs to another key: {}; it was edited, or two keys share their first 16 "
+        "digits. Remove the cell's folder to render it again",
+        (folder / "cell.json").string(), first_difference(found.description["facts"], wanted)));
+  }
+  return found;
 }
 
 /// Moves a damaged cell out of the way and says so. Another process may have done it already.
@@ -186,6 +193,12 @@ void publish(const fs::path& store, const fs::path& temporary, const fs::path& c
 }
 
 }  // namespace
+
+std::optional<Json> describe_intact_cell(const fs::path& folder) {
+  Inspection found = inspect(folder);
+  if (found.state != Inspection::State::intact) return std::nullopt;
+  return std::move(found.description);
+}
 
 void CellKey::add(std::string name, std::string value) {
   assert(!name.empty());

@@ -49,6 +49,9 @@ struct ReadCell {
   std::string warning;             ///< not empty: what was damaged and where it was moved
 };
 
+/// The contents of a cell's cell.json where CellStore::has() would hold for the key it has.
+std::optional<nlohmann::json> describe_intact_cell(const std::filesystem::path& cell_folder);
+
 /// Finished cells under FOLDER/cells/ID/{layers.exr, cell.json}. A cell appears whole, by rename,
 /// and is never changed again; several processes and machines may share the folder. A damaged cell
 /// is moved to FOLDER/damaged/. All functions throw DeviceError, naming the path and the system's

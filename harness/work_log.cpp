@@ -99,9 +99,12 @@ std::string WorkLog::life_of(const std::string& file_name) {
 
 void WorkLog::begin(double cost_before) {
   const std::lock_guard lock(mutex_);
+  if (begun_) return;
   log_["cost_before"] = cost_before;
   write_first();
 }
+
+bool WorkLog::was(const std::string& state) const { return stored_state(path_) == state; }
 
 void WorkLog::write_first() {
   std::error_code ignored;
@@ -128,7 +131,7 @@ void WorkLog::update(double cost_done, double cost_planned, const std::string& n
 void WorkLog::end(const std::string& state, const std::string& message) {
   const std::lock_guard lock(mutex_);
   if (!begun_) {
-    if (stored_state(path_) == state) return;
+    if (was(state)) return;
     write_first();
   }
   log_["state"] = state;

@@ -34,7 +34,7 @@ class WorkLog {
   WorkLog(const WorkLog&) = delete;
   WorkLog& operator=(const WorkLog&) = delete;
 
-  /// Of the planned costs, `cost_before` were finished when this process came.
+  /// Of the planned costs, `cost_before` were finished when this process came. Once is enough.
   void begin(double cost_before = 0.0);
   /// `done` of the `planned` costs are finished, `next` begins. Written at most once in ten
   /// seconds.
@@ -43,7 +43,10 @@ class WorkLog {
   /// thread.
   void end(const std::string& state, const std::string& message = {});
 
-  /// What the process that writes this log claims as long as it lives (claims.h).
+  /// The state that an earlier process has left in the log.
+  bool was(const std::string& state) const;
+
+  /// What the process that writes this log has a lock of as long as it lives (work_locks.h).
   std::string life() const { return life_of(path_.filename().string()); }
   static std::string life_of(const std::string& file_name);
 

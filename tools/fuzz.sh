@@ -11,7 +11,7 @@ cmake --build --preset fuzz
 # Leaks are looked for at the end of each input; nothing may take more than 2 GB or 20 s.
 options=(-rss_limit_mb=2048 -timeout=20 -max_len=16384 -print_final_stats=1)
 failed=0
-for target in gltf probe cell experiment measurements; do
+for target in gltf probe cell experiment measurements history; do
   corpus=build/fuzz/corpus/$target
   found=build/fuzz/found/$target
   log=build/fuzz/$target.log

@@ -84,6 +84,17 @@ fs::path write_script(const SlurmRun& run, const char* name, std::size_t shards)
   return path;
 }
 
+/// Drops what processes on other work said of themselves: a shard of an experiment that was changed
+/// since is not done because it once was.
+void remove_states(const fs::path& results) {
+  std::error_code error;
+  std::vector<fs::path> states;
+  for (const fs::directory_entry& entry : fs::directory_iterator(results / "progress", error)) {
+    if (!entry.path().filename().string().starts_with("plan-")) states.push_back(entry.path());
+  }
+  for (const fs::path& state : states) fs::remove(state, error);
+}
+
 /// What is left to do of an earlier submission of the same run.
 struct Left {
   std::vector<std::size_t> shards;  ///< to submit, from 1
@@ -95,7 +106,7 @@ struct Left {
 Left what_is_left(const SlurmRun& run, const std::optional<SlurmSubmission>& earlier,
                   std::size_t count) {
   Left left;
-  if (!earlier || earlier->key != run.key || earlier->shards != count) {
+  if (!earlier) {
     for (std::size_t shard = 1; shard <= count; ++shard) left.shards.push_back(shard);
     return left;
   }
@@ -193,12 +204,14 @@ SlurmSubmission submit(const SlurmRun& run, const SlurmSettings& settings) {
         run.results.string()));
   }
   create_folder(slurm_folder(run.results));
-  const std::optional<SlurmSubmission> earlier = read_submission(run.results);
+  std::optional<SlurmSubmission> earlier = read_submission(run.results);
+  if (!earlier || earlier->key != run.key || earlier->shards != settings.shards) {
+    earlier.reset();
+    remove_states(run.results);
+  }
   const Left left = what_is_left(run, earlier, settings.shards);
   SlurmSubmission submission{.key = run.key, .shards = settings.shards, .tasks = {}, .collect = ""};
-  if (earlier && earlier->key == run.key && earlier->shards == settings.shards) {
-    submission = *earlier;
-  }
+  if (earlier) submission = *earlier;
   if (left.finished) {
     fmt::print(stderr, "{}: everything is done\n", run.results.string());
     return submission;

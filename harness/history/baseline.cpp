@@ -13,7 +13,7 @@ namespace occlab::history {
 namespace {
 
 constexpr std::string_view dirty = "-dirty";
-constexpr std::size_t most_other_commits = 20;  // the last ones: enough to know how times vary
+constexpr std::size_t most_other_groups = 20;  // the last ones: enough to know how times vary
 
 std::string clean(std::string commit) {
   if (commit.ends_with(dirty)) commit.resize(commit.size() - dirty.size());
@@ -25,26 +25,45 @@ std::vector<StoredRun> of_experiment(std::vector<StoredRun> runs, const std::str
   return runs;
 }
 
+/// Equal for runs that repeat each other: of one commit, and, as one "-dirty" commit may be many
+/// programs and a name many experiments, of the same sources and settings.
+std::string repetition_of(const RunData& run) {
+  const nlohmann::json& facts = run.facts.run;
+  std::string text = run.facts.commit;
+  for (const char* fact : {"code", "configuration"}) {
+    if (facts.is_object()) text += facts.value(fact, nlohmann::json()).dump();
+  }
+  return text;
+}
+
+/// The run `first` and those of `runs` that repeat it.
 ChosenBaseline baseline_of(const Sqlite& database, const std::vector<StoredRun>& runs,
                            std::int64_t first) {
   ChosenBaseline chosen;
   std::vector<StoredRun> ordered = runs;
   std::stable_partition(ordered.begin(), ordered.end(),
                         [&](const StoredRun& run) { return run.id == first; });
-  for (const StoredRun& run : ordered) chosen.side.runs.push_back(read_run(database, run));
+  for (const StoredRun& run : ordered) {
+    RunData data = read_run(database, run);
+    if (chosen.side.runs.empty() ||
+        repetition_of(data) == repetition_of(chosen.side.runs.front())) {
+      chosen.side.runs.push_back(std::move(data));
+    }
+  }
   std::vector<StoredRun> all = of_experiment(list_runs(database), runs.front().experiment);
   std::ranges::reverse(all);
-  std::vector<std::string> commits;
+  std::vector<std::string> groups;
   for (const StoredRun& run : all) {
     if (run.commit == runs.front().commit) continue;
     if (std::ranges::count(all, run.commit, &StoredRun::commit) < 2) continue;
-    auto place = std::ranges::find(commits, run.commit);
-    if (place == commits.end()) {
-      if (commits.size() == most_other_commits) continue;
-      place = commits.insert(commits.end(), run.commit);
+    RunData data = read_run(database, run);
+    auto place = std::ranges::find(groups, repetition_of(data));
+    if (place == groups.end()) {
+      if (groups.size() == most_other_groups) break;
+      place = groups.insert(groups.end(), repetition_of(data));
       chosen.others.emplace_back();
     }
-    chosen.others[std::size_t(place - commits.begin())].push_back(read_run(database, run));
+    chosen.others[std::size_t(place - groups.begin())].push_back(std::move(data));
   }
   return chosen;
 }
@@ -87,12 +106,7 @@ ChosenBaseline choose_one(const Sqlite* database, const std::string& against,
   }
   if (is_results(against)) return {{{read_results(against)}}, {}};
   if (database) {
-    std::vector<StoredRun> runs = of_experiment(runs_of_commit(*database, against), experiment);
-    if (runs.empty()) {
-      if (const auto commit = find_commit(against)) {
-        runs = of_experiment(runs_of_commit(*database, commit->hash), experiment);
-      }
-    }
+    const std::vector<StoredRun> runs = of_experiment(runs_named(*database, against), experiment);
     if (!runs.empty()) return baseline_of(*database, runs, runs.front().id);
   }
   refuse(database, against, experiment);
@@ -120,7 +134,7 @@ ChosenBaseline choose_baseline(const Sqlite* database, const std::vector<std::st
                                const std::string& experiment) {
   if (against.size() == 1) return choose_one(database, against.front(), experiment);
   ChosenBaseline chosen;
-  for (const std::string& path : against) chosen.side.runs.push_back(read_results(path));
+  chosen.side.runs = read_each_once(against);
   return chosen;
 }
 

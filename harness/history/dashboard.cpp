@@ -271,7 +271,7 @@ class Dashboard {
     Statement images(database_, "SELECT hash, png FROM images");
     while (images.step()) {
       const auto png = images.bytes(1);
-      write_text_atomically(folder / "images" / (images.text(0) + ".png"),
+      write_text_atomically(folder / image_file(images.text(0)),
                             {reinterpret_cast<const char*>(png.data()), png.size()});
     }
     json all = json::array();
@@ -286,9 +286,20 @@ class Dashboard {
                      {"method", rows.text(3)},
                      {"parameters", parameters_json(parameters_of(rows.text(4)))},
                      {"stage", rows.text(5)},
-                     {"file", fmt::format("images/{}.png", rows.text(6))}});
+                     {"file", image_file(rows.text(6))}});
     }
     return all;
+  }
+
+  /// In the page's folder and nowhere else, whatever the file of the history holds.
+  std::string image_file(const std::string& hash) const {
+    if (hash.size() != 64 || hash.find_first_not_of("0123456789abcdef") != std::string::npos) {
+      throw InputError(
+          fmt::format("{}: table 'images': found the hash '{}'; accepted are 64 hex "
+                      "digits: the file is damaged",
+                      database_.path().string(), hash));
+    }
+    return fmt::format("images/{}.png", hash);
   }
 
   const Sqlite& database_;

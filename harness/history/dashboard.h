@@ -25,8 +25,9 @@ struct WrittenDashboard {
 };
 
 /// Writes FOLDER: a page for browsers that needs neither a server nor a network, with every series
-/// over all runs, its steps and the small pictures. It is there as a whole or as it was. Throws
-/// InputError where FOLDER holds something that is not a page of ours, or the history no run.
+/// over all runs, its steps and the small pictures. What is there is replaced when all is written.
+/// Throws InputError where FOLDER holds something that is not a page of ours, or the history no
+/// run.
 WrittenDashboard write_dashboard(const Sqlite& database, const DashboardOptions& options);
 
 }  // namespace occlab::history

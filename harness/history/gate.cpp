@@ -47,6 +47,30 @@ std::vector<Index> indices_of(const std::vector<RunData>& runs) {
   return indices;
 }
 
+/// Each series of the runs as the first has it that measured it.
+std::vector<const SeriesValues*> all_series(const std::vector<RunData>& runs) {
+  std::vector<const SeriesValues*> all;
+  std::unordered_map<std::string, std::size_t> places;
+  for (const RunData& run : runs) {
+    for (const SeriesValues& values : run.series) {
+      const auto [place, added] = places.try_emplace(series_key(values.series), all.size());
+      if (added) {
+        all.push_back(&values);
+      } else if (const SeriesValues*& known = all[place->second]; !known->value) {
+        known = &values;
+      }
+    }
+  }
+  return all;
+}
+
+/// Results that were added to the history before they are checked are there a second time.
+bool is_one_of(const GateSide& side, const RunData& run) {
+  return run.facts.run.is_object() && std::ranges::any_of(side.runs, [&](const RunData& other) {
+           return other.facts.run == run.facts.run;
+         });
+}
+
 /// The times of a series in every run of the same device.
 std::vector<double> times_in(const std::vector<Index>& runs, const std::string& key,
                              const std::string& device) {
@@ -70,19 +94,24 @@ class Gate {
   Gate(const GateSide& baseline, const GateSide& results,
        const std::vector<std::vector<RunData>>& other_runs, const GateSettings& settings)
       : settings_(settings),
-        baseline_(baseline.runs.front()),
+        baseline_(all_series(baseline.runs)),
         before_(indices_of(baseline.runs)),
         after_(indices_of(results.runs)),
-        tests_(baseline_.series.size()) {
-    for (const auto& group : other_runs) others_.push_back(indices_of(group));
-    for (const SeriesValues& values : baseline_.series) floors_.add(values.series, values.value);
+        tests_(baseline_.size()) {
+    for (const auto& group : other_runs) {
+      others_.emplace_back();
+      for (const RunData& run : group) {
+        if (!is_one_of(results, run)) others_.back().push_back(index_of(run));
+      }
+    }
+    for (const SeriesValues* values : baseline_) floors_.add(values->series, values->value);
   }
 
   std::vector<Pending> compare_all() {
     std::vector<Pending> all;
-    for (const SeriesValues& values : baseline_.series) {
-      if (!values.value || !judged(values, settings_)) continue;
-      all.push_back(compare(values));
+    for (const SeriesValues* values : baseline_) {
+      if (!values->value || !judged(*values, settings_)) continue;
+      all.push_back(compare(*values));
     }
     return all;
   }
@@ -139,7 +168,7 @@ class Gate {
   }
 
   const GateSettings& settings_;
-  const RunData& baseline_;
+  std::vector<const SeriesValues*> baseline_;
   std::vector<Index> before_;
   std::vector<Index> after_;
   std::vector<std::vector<Index>> others_;
@@ -176,6 +205,7 @@ void judge_family(std::vector<Pending>& all, bool times, double level, GateRepor
   std::vector<Pending*> tested;
   std::vector<double> p_values;
   double smallest_p = 0.0;
+  double least_smallest_p = 1.0;
   for (Pending& pending : all) {
     if (is_time_series(pending.finding.series) != times) continue;
     if (pending.test.identical) {
@@ -186,6 +216,7 @@ void judge_family(std::vector<Pending>& all, bool times, double level, GateRepor
     tested.push_back(&pending);
     p_values.push_back(*pending.test.p_value);
     smallest_p = std::max(smallest_p, pending.test.smallest_p);
+    least_smallest_p = std::min(least_smallest_p, pending.test.smallest_p);
   }
   if (tested.empty()) return;
   const std::vector<HolmTest> corrected = holm(p_values, level);
@@ -195,6 +226,12 @@ void judge_family(std::vector<Pending>& all, bool times, double level, GateRepor
         "Too few seeds: the least p-value they can give is {:.2g}, and {} tests at {:g} ask for "
         "{:.2g}: not every regression can be told. Use 8 seeds or more",
         smallest_p, tested.size(), level, level / double(tested.size())));
+  }
+  if (least_smallest_p * double(tested.size()) <= level) return;
+  for (Pending* pending : tested) {  // no value whatever could have been told from the baseline's
+    if (pending->finding.outcome != Outcome::unsure) continue;
+    pending->finding.adjusted_p.reset();
+    pending->finding.reason = "too few seeds";
   }
 }
 
@@ -242,7 +279,7 @@ GateReport run_gate(const GateSide& baseline, const GateSide& results,
   std::ranges::stable_sort(report.findings, [](const Finding& a, const Finding& b) {
     return a.outcome != b.outcome ? a.outcome < b.outcome : severity(a) > severity(b);
   });
-  describe_sides(before, after, settings, report);
+  describe_sides(baseline, results, settings, report);
   return report;
 }
 

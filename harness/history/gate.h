@@ -31,7 +31,7 @@ struct GateSettings {
 
 /// What is compared: one run, and the times of further runs of the same code.
 struct GateSide {
-  std::vector<RunData> runs;  ///< accuracies: of the first
+  std::vector<RunData> runs;  ///< accuracies: of the first that has the series
 };
 
 /// One series of the baseline.
@@ -67,14 +67,18 @@ struct GateReport {
 };
 
 /// Compares every series of the baseline that is judged (FORMAT.md) with that of the results.
-/// `other_runs`: groups of runs of other commits, of which the variation of times between runs is
-/// learnt. Accuracies are one family after Holm, times another; with both, each has half the level.
+/// `other_runs`: groups of runs of other programs, of which the variation of times between runs is
+/// learnt; a run that is one of the results' counts once. Accuracies are one family after Holm,
+/// times another; with both, each has half the level.
 GateReport run_gate(const GateSide& baseline, const GateSide& results,
                     const std::vector<std::vector<RunData>>& other_runs,
                     const GateSettings& settings);
 
-/// Fills inputs, notes and mismatches: what else differs between the two runs.
-void describe_sides(const RunData& before, const RunData& after, const GateSettings& settings,
+/// Whether it alone makes a check fail.
+bool is_failure(const Finding& finding, const GateSettings& settings);
+
+/// Fills inputs, notes and mismatches: what else differs between the two sides.
+void describe_sides(const GateSide& before, const GateSide& after, const GateSettings& settings,
                     GateReport& report);
 
 /// 0; 1 where anything is worse, changed or, unless allowed, missing or made of other inputs;

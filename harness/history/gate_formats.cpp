@@ -78,22 +78,9 @@ std::string sentence(const Finding& finding) {
   }
   if (finding.adjusted_p) text += fmt::format(", adjusted p {:.2g}", *finding.adjusted_p);
   text += fmt::format(", minimum effect {}", limit_text(finding));
+  if (in_floors(finding)) text += fmt::format(", {:.3g} noise floors", *in_floors(finding));
   if (const std::string how = how_text(finding); !how.empty()) text += "; " + how;
   return text;
-}
-
-bool is_failure(const Finding& finding, const GateSettings& settings) {
-  switch (finding.outcome) {
-    case Outcome::worse:
-    case Outcome::changed:
-      return true;
-    case Outcome::missing:
-      return !settings.allow_missing;
-    case Outcome::unsure:
-      return settings.strict;
-    default:
-      return false;
-  }
 }
 
 /// Text that Markdown prints as it is.
@@ -229,6 +216,7 @@ json gate_json(const GateReport& report, const GateSettings& settings) {
                         {"minimum_effect", finding.minimum},
                         {"adjusted_p", number_json(finding.adjusted_p)},
                         {"noise_floor", number_json(finding.floor)},
+                        {"in_noise_floors", number_json(in_floors(finding))},
                         {"compared", finding.how},
                         {"reason", finding.reason}});
   }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <map>
 #include <set>
 
 #include "harness/history/gate.h"
@@ -13,18 +14,48 @@ namespace {
 
 using nlohmann::json;
 
-std::string fact_of(const json& run, const char* object, const char* key) {
-  if (!run.is_object() || !run.contains(object) || !run[object].is_object()) return "";
-  return run[object].value(key, "");
+/// The hashes of an input's files by what the runs call them; a run of several benches names each.
+using Files = std::map<std::string, std::set<std::string>>;
+
+void add_file(const json& bench, const char* input, const char* name, Files& files) {
+  const json found = bench.value(input, json::object());
+  if (!found.is_object() || !found.contains("sha256")) return;
+  files[found.value(name, "")].insert(found["sha256"].get<std::string>());
 }
 
-void compare_inputs(const RunData& before, const RunData& after, GateReport& report) {
-  for (const char* input : {"scene", "probe"}) {
-    const std::string old_hash = fact_of(before.facts.run, input, "sha256");
-    const std::string new_hash = fact_of(after.facts.run, input, "sha256");
-    if (old_hash.empty() || new_hash.empty() || old_hash == new_hash) continue;
-    report.inputs.push_back(fmt::format("the {}'s file is another: SHA-256 {:.12}, before {:.12}",
-                                        input, new_hash, old_hash));
+Files files_of(const GateSide& side, const char* input, const char* name) {
+  Files files;
+  for (const RunData& data : side.runs) {
+    const json& run = data.facts.run;
+    if (!run.is_object()) continue;
+    add_file(run, input, name, files);
+    for (const json& bench : run.value("benches", json::array())) {
+      add_file(bench, input, name, files);
+    }
+  }
+  return files;
+}
+
+std::string hashes_text(const std::set<std::string>& hashes) {
+  std::vector<std::string> texts;
+  for (const std::string& hash : hashes) texts.push_back(hash.substr(0, 12));
+  return fmt::format("{}", fmt::join(texts, " and "));
+}
+
+/// Inputs of another name make other series.
+void compare_inputs(const GateSide& before, const GateSide& after, GateReport& report) {
+  for (const auto& [input, name] :
+       {std::pair("scene", "name"), std::pair("probe", "description")}) {
+    const Files old_files = files_of(before, input, name);
+    for (const auto& [called, hashes] : files_of(after, input, name)) {
+      const auto old = old_files.find(called);
+      if (old == old_files.end()) continue;
+      std::set<std::string> all = hashes;
+      all.insert(old->second.begin(), old->second.end());
+      if (all.size() == 1) continue;
+      report.inputs.push_back(fmt::format("the {}'s file is another: SHA-256 {}, before {}", input,
+                                          hashes_text(hashes), hashes_text(old->second)));
+    }
   }
 }
 
@@ -61,14 +92,20 @@ std::vector<std::string> differences(const RunData& before, const RunData& after
 }
 
 /// Series of the results that the baseline does not have.
-std::size_t count_new(const RunData& before, const RunData& after) {
-  std::set<std::string> known;
-  for (const SeriesValues& values : before.series) {
-    known.insert(series_key_on_any_device(values.series));
-  }
-  return std::size_t(std::ranges::count_if(after.series, [&](const SeriesValues& values) {
-    return !known.contains(series_key_on_any_device(values.series));
-  }));
+std::size_t count_new(const GateSide& before, const GateSide& after) {
+  const auto keys = [](const GateSide& side) {
+    std::set<std::string> all;
+    for (const RunData& run : side.runs) {
+      for (const SeriesValues& values : run.series) {
+        all.insert(series_key_on_any_device(values.series));
+      }
+    }
+    return all;
+  };
+  const std::set<std::string> known = keys(before);
+  const std::set<std::string> found = keys(after);
+  return std::size_t(
+      std::ranges::count_if(found, [&](const std::string& key) { return !known.contains(key); }));
 }
 
 /// Ratios to a baseline method that itself became slower all become better.
@@ -87,25 +124,42 @@ void note_baseline_method(GateReport& report) {
 }
 
 bool fails(const GateReport& report, const GateSettings& settings) {
-  return report.count(Outcome::worse) + report.count(Outcome::changed) > 0 ||
-         (!settings.allow_missing && report.count(Outcome::missing) > 0) ||
-         (!settings.allow_changed_inputs && !report.inputs.empty()) ||
-         (settings.strict && report.count(Outcome::unsure) > 0);
+  return (!settings.allow_changed_inputs && !report.inputs.empty()) ||
+         std::ranges::any_of(report.findings,
+                             [&](const Finding& finding) { return is_failure(finding, settings); });
 }
 
 }  // namespace
 
-void describe_sides(const RunData& before, const RunData& after, const GateSettings& settings,
-                    GateReport& report) {
-  compare_inputs(before, after, report);
+bool is_failure(const Finding& finding, const GateSettings& settings) {
+  switch (finding.outcome) {
+    case Outcome::worse:
+    case Outcome::changed:
+      return true;
+    case Outcome::missing:
+      return !settings.allow_missing;
+    case Outcome::unsure:
+      return settings.strict;
+    default:
+      return false;
+  }
+}
+
+void describe_sides(const GateSide& before_side, const GateSide& after_side,
+                    const GateSettings& settings, GateReport& report) {
+  const RunData& before = before_side.runs.front();
+  const RunData& after = after_side.runs.front();
+  compare_inputs(before_side, after_side, report);
   if (!settings.allow_changed_inputs && !report.inputs.empty()) {
     report.notes.emplace_back(
         "With other inputs the numbers are of another picture; --allow-changed-inputs compares "
         "them all the same");
   }
-  for (const RunData* run : {&before, &after}) {
-    for (const std::string& left_out : run->left_out) {
-      report.notes.push_back(fmt::format("{}: {}", run->name, left_out));
+  for (const GateSide* side : {&before_side, &after_side}) {
+    for (const RunData& run : side->runs) {
+      for (const std::string& left_out : run.left_out) {
+        report.notes.push_back(fmt::format("{}: {}", run.name, left_out));
+      }
     }
   }
   if (before.facts.device != after.facts.device) {
@@ -114,7 +168,7 @@ void describe_sides(const RunData& before, const RunData& after, const GateSetti
                     "all the same, times are not",
                     after.facts.device, before.facts.device));
   }
-  if (const std::size_t added = count_new(before, after)) {
+  if (const std::size_t added = count_new(before_side, after_side)) {
     report.notes.push_back(
         fmt::format("{} series are new: the baseline does not have them", added));
   }

@@ -10,6 +10,7 @@
 #include "harness/files.h"
 #include "harness/measure.h"
 #include "harness/report/cells.h"
+#include "harness/report/data.h"
 #include "harness/report/images.h"
 #include "renderers/scene/error.h"
 #include "renderers/scene/temporary_folder.h"
@@ -37,6 +38,12 @@ std::string text_at(const json& run, const char* object, const char* key) {
 
 std::vector<Preview> make_previews(const fs::path& results, const json& run,
                                    std::vector<std::string>& problems) {
+  if (report::is_of_several_benches(run)) {
+    problems.push_back(fmt::format(
+        "{}: no pictures are stored of a run of several scenes, views, resolutions or probes",
+        results.string()));
+    return {};
+  }
   std::vector<report::Cell> cells = report::inspect_cells(results, run);
   const std::vector<report::Group> groups = report::group_cells(cells, run);
   std::vector<Preview> previews;

@@ -41,6 +41,10 @@ std::vector<SeriesValues> collect_series(const std::vector<Measurement>& rows,
 /// `path` is a file, measurements alone. Throws InputError with what is wrong.
 RunData read_results(const std::filesystem::path& path);
 
+/// All of them, in order. Throws InputError where two are the same run: a run is no repetition of
+/// itself.
+std::vector<RunData> read_each_once(const std::vector<std::string>& paths);
+
 /// Whether read_results would take it for one: a folder, or a file that is there.
 bool is_results(const std::filesystem::path& path);
 

@@ -102,11 +102,19 @@ bool has_tables(const Sqlite& database) {
   return database.integer("SELECT count(*) FROM sqlite_schema") > 0;
 }
 
+std::int64_t known_version(const Sqlite& database) {
+  const std::int64_t version = database.integer("PRAGMA user_version");
+  if (0 <= version && version <= newest_version()) return version;
+  throw InputError(
+      fmt::format("{}: its schema has version {}; this occlab knows versions up to {}: use a "
+                  "newer occlab",
+                  database.path().string(), version, newest_version()));
+}
+
 /// Where another process has migrated meanwhile, nothing is left to do.
 void migrate(const Sqlite& database) {
   Transaction transaction(database);
-  for (std::int64_t version = database.integer("PRAGMA user_version"); version < newest_version();
-       ++version) {
+  for (std::int64_t version = known_version(database); version < newest_version(); ++version) {
     database.execute(std::string(steps[std::size_t(version)]));
   }
   database.execute(fmt::format("PRAGMA application_id = {}", application_id));
@@ -130,13 +138,7 @@ Sqlite open_history(const std::filesystem::path& path, bool create) {
     throw InputError(fmt::format("{}: is the database of another program, not a history of occlab",
                                  path.string()));
   }
-  if (version > newest_version()) {
-    throw InputError(
-        fmt::format("{}: its schema has version {}; this occlab knows versions up to {}: use a "
-                    "newer occlab",
-                    path.string(), version, newest_version()));
-  }
-  if (version < newest_version()) migrate(database);
+  if (known_version(database) < newest_version()) migrate(database);
   return database;
 }
 

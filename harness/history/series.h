@@ -38,7 +38,8 @@ std::string series_key_on_any_device(const Series& series);
 
 /// "s3ho rmse filtered (samples 32)" with those parameters that `shown` names.
 std::string series_label(const Series& series, const std::vector<std::string>& shown);
-/// The parameters in which series of one method differ, in order of appearance.
+/// The parameters in which series of one method differ, in order of appearance, and the names of
+/// those of scene, view, resolution and probe in which any differ.
 std::vector<std::string> differing_parameters(const std::vector<const Series*>& all);
 
 /// What one run measured of a series.

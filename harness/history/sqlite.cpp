@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include <utility>
+
 #include "renderers/scene/error.h"
 
 namespace occlab::history {
@@ -10,6 +12,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int patience_ms = 30'000;
+constexpr int longest_value = 256 << 20;  // bytes of a text or picture
 
 bool is_the_files_fault(int code) {
   switch (code & 0xff) {
@@ -21,6 +24,17 @@ bool is_the_files_fault(int code) {
     default:
       return false;
   }
+}
+
+/// A file may come from anywhere, and its schema is program text: none of it is run. A history has
+/// no views and no triggers.
+void distrust(sqlite3* database) {
+  for (const auto& [option, value] :
+       {std::pair(SQLITE_DBCONFIG_DEFENSIVE, 1), std::pair(SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0),
+        std::pair(SQLITE_DBCONFIG_ENABLE_VIEW, 0), std::pair(SQLITE_DBCONFIG_ENABLE_TRIGGER, 0)}) {
+    sqlite3_db_config(database, option, value, nullptr);
+  }
+  sqlite3_limit(database, SQLITE_LIMIT_LENGTH, longest_value);
 }
 
 }  // namespace
@@ -35,6 +49,9 @@ Sqlite::Sqlite(fs::path path, bool create) : path_(std::move(path)) {
   if (fs::is_directory(path_, error)) {
     throw InputError(fmt::format("{}: is a folder; a file is expected", path_.string()));
   }
+  if (fs::exists(path_, error) && !fs::is_regular_file(path_, error)) {
+    throw InputError(fmt::format("{}: is no regular file; one is expected", path_.string()));
+  }
   sqlite3* opened = nullptr;
   const int flags = SQLITE_OPEN_READWRITE | (create ? SQLITE_OPEN_CREATE : 0);
   const int code = sqlite3_open_v2(path_.c_str(), &opened, flags, nullptr);
@@ -42,7 +59,8 @@ Sqlite::Sqlite(fs::path path, bool create) : path_(std::move(path)) {
   if (code != SQLITE_OK) fail(code);
   sqlite3_busy_timeout(opened, patience_ms);
   sqlite3_extended_result_codes(opened, 1);
-  execute("PRAGMA foreign_keys = ON");
+  distrust(opened);
+  execute("PRAGMA foreign_keys = ON; PRAGMA cell_size_check = ON");
 }
 
 void Sqlite::Close::operator()(sqlite3* database) const { sqlite3_close_v2(database); }

@@ -13,9 +13,10 @@ struct sqlite3_stmt;
 
 namespace occlab::history {
 
-/// An open SQLite file. Every failure throws with the file's path: InputError where the file is no
-/// database, damaged or not of this shape, DeviceError where the disk, its rights or another
-/// process stand in the way.
+/// An open SQLite file, which may come from anywhere: views and triggers in it are not run, and
+/// values of over 256 MB are an error. Every failure throws with the file's path: InputError where
+/// the file is no database, damaged or not of this shape, DeviceError where the disk, its rights or
+/// another process stand in the way.
 class Sqlite {
  public:
   /// Opens a file, or makes an empty one where `create` is set; a file that may not be written is

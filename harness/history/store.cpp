@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "harness/files.h"
+#include "harness/history/git.h"
 #include "harness/history/schema.h"
 #include "renderers/scene/error.h"
 #include "renderers/scene/limited_json.h"
@@ -152,6 +153,13 @@ std::vector<StoredRun> runs_of_commit(const Sqlite& database, const std::string&
                                  database.path().string(), commit, commits[0], commits[1]));
   }
   return runs;
+}
+
+std::vector<StoredRun> runs_named(const Sqlite& database, const std::string& name) {
+  std::vector<StoredRun> runs = runs_of_commit(database, name);
+  if (!runs.empty()) return runs;
+  const auto commit = find_commit(name);
+  return commit ? runs_of_commit(database, commit->hash) : runs;
 }
 
 RunData read_run(const Sqlite& database, const StoredRun& run) {

@@ -38,6 +38,9 @@ std::vector<StoredRun> list_runs(const Sqlite& database);
 /// none. Throws InputError where several commits begin so.
 std::vector<StoredRun> runs_of_commit(const Sqlite& database, const std::string& commit);
 
+/// As runs_of_commit(), of what git calls `name` where no run does: "HEAD", a branch.
+std::vector<StoredRun> runs_named(const Sqlite& database, const std::string& name);
+
 /// Everything add_run() was given of that run, in the order of the series' ids.
 RunData read_run(const Sqlite& database, const StoredRun& run);
 

@@ -73,7 +73,7 @@ json row_json(const Measurement& row, std::size_t group) {
 
 }  // namespace
 
-json read_run(const fs::path& results) {
+json read_any_run(const fs::path& results) {
   const fs::path path = results / "run.json";
   std::error_code error;
   if (!fs::exists(path, error)) {
@@ -88,13 +88,7 @@ json read_run(const fs::path& results) {
     throw InputError(
         fmt::format("{}: key 'schema': missing; was it written by 'occlab run'?", path.string()));
   }
-  if (run["schema"] == json(schema_of_several_benches)) {
-    throw InputError(fmt::format(
-        "{}: key 'benches': {} scenes, views, resolutions and probes; a report is of one of them: "
-        "run it on its own with --set. 'occlab table' and 'occlab query' read all",
-        path.string(), run.value("benches", json::array()).size()));
-  }
-  if (run["schema"] != json(run_schema)) {
+  if (run["schema"] != json(run_schema) && !is_of_several_benches(run)) {
     throw InputError(
         fmt::format("{}: key 'schema': {} is unknown; accepted: {}. It was written by occlab {}: "
                     "report it with that version, or run the experiment again with this one",
@@ -102,6 +96,19 @@ json read_run(const fs::path& results) {
                     run.value("commit", json("of an unknown version")).dump()));
   }
   return run;
+}
+
+bool is_of_several_benches(const json& run) {
+  return run.is_object() && run.value("schema", json()) == json(schema_of_several_benches);
+}
+
+json read_run(const fs::path& results) {
+  json run = read_any_run(results);
+  if (!is_of_several_benches(run)) return run;
+  throw InputError(fmt::format(
+      "{}: key 'benches': {} scenes, views, resolutions and probes; a report is of one of them: "
+      "run it on its own with --set. 'occlab table' and 'occlab query' read all",
+      (results / "run.json").string(), run.value("benches", json::array()).size()));
 }
 
 std::vector<Measurement> read_rows(const fs::path& results, const json& run, Verdict& verdict) {

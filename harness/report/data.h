@@ -24,6 +24,10 @@ struct Verdict {
 
 /// RESULTS/run.json, null where there is none. Throws InputError where it is not one that this
 /// occlab reads.
+nlohmann::json read_any_run(const std::filesystem::path& results);
+/// Whether it is of several scenes, views, resolutions or probes (results_folder.h).
+bool is_of_several_benches(const nlohmann::json& run);
+/// As read_any_run(), and throws InputError where it is of several.
 nlohmann::json read_run(const std::filesystem::path& results);
 
 /// RESULTS/measurements.csv. Where it is missing, damaged or not the one that run.json describes,

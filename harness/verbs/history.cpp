@@ -32,6 +32,7 @@ struct HistoryOptions {
   std::string settings_file;
   std::vector<std::string> minimum_effects;
   GateSettings gate;
+  std::optional<double> level;  ///< before that of the file
   bool all = false;
   std::string junit;
   std::string markdown;
@@ -190,8 +191,9 @@ int accept_baseline(const GateSide& results, const HistoryOptions& options,
 /// The results' runs, with their commits where they are to be stored.
 GateSide read_side(const HistoryOptions& options) {
   GateSide side;
-  for (const std::string& folder : options.results) {
-    side.runs.push_back(read_results(folder));
+  for (RunData& data : read_each_once(options.results)) {
+    const std::string folder = data.name;
+    side.runs.push_back(std::move(data));
     RunData& run = side.runs.back();
     if (options.accept && !run.facts.run.is_object()) {
       throw InputError(fmt::format("{}: --accept needs a results folder", folder));
@@ -208,9 +210,21 @@ GateSide read_side(const HistoryOptions& options) {
   return side;
 }
 
+void refuse_outputs(const HistoryOptions& options) {
+  for (const auto& [name, file] :
+       {std::pair("--junit", options.junit), std::pair("--markdown", options.markdown),
+        std::pair("--json", options.json)}) {
+    if (file.empty()) continue;
+    throw InputError(
+        fmt::format("{} {}: the first baseline '{}' is compared with nothing; accept it without",
+                    name, file, options.as));
+  }
+}
+
 int check(const HistoryOptions& options) {
   GateSettings settings = options.gate;
   if (!options.settings_file.empty()) read_gate_settings(options.settings_file, settings);
+  if (options.level) settings.level = *options.level;
   apply_minimum_effects(options.minimum_effects, settings.minimum);
   if (options.accept && options.why.empty()) {
     throw InputError("--accept: --why is missing: say why this is right");
@@ -223,7 +237,10 @@ int check(const HistoryOptions& options) {
   const Sqlite* const opened = database ? &*database : nullptr;
   const bool first = options.accept && options.against == std::vector{options.as} &&
                      (!opened || !current_baseline(*opened, options.as, experiment));
-  if (first) return accept_baseline(results, options, nlohmann::json::array());
+  if (first) {
+    refuse_outputs(options);
+    return accept_baseline(results, options, nlohmann::json::array());
+  }
   const ChosenBaseline baseline = choose_baseline(opened, options.against, experiment);
   const GateReport report = run_gate(baseline.side, results, baseline.others, settings);
   write_outputs(report, options, settings);
@@ -235,7 +252,7 @@ int check(const HistoryOptions& options) {
     for (const std::string& note : report.notes) fmt::print("{}\n", note);
   }
   fmt::print("{}: {}\n", report.experiment, summary(report, settings));
-  if (report.compared() == 0) {
+  if (report.compared() == 0 && !options.accept) {
     throw InputError(fmt::format("{} against {}: {}", report.results, report.baseline,
                                  summary(report, settings)));
   }
@@ -245,7 +262,7 @@ int check(const HistoryOptions& options) {
 
 int accept(const HistoryOptions& options) {
   const Sqlite database = open_history(options.db, false);
-  const std::vector<StoredRun> runs = runs_of_commit(database, options.commit);
+  const std::vector<StoredRun> runs = runs_named(database, options.commit);
   if (runs.empty()) {
     throw InputError(
         fmt::format("{}: no run is of commit '{}'; 'occlab history list' prints those there are",
@@ -308,9 +325,9 @@ void add_check(CLI::App* parent, const Options& options, Action& action) {
   verb->add_option("--settings", options->settings_file,
                    "TOML: level = 0.05 and [minimum_effect] with the classes below");
   add_minimum_effects(verb, options);
-  verb->add_option("--level", options->gate.level, "the probability of any false alarm, at most")
-      ->check(CLI::Range(1e-6, 0.5))
-      ->capture_default_str();
+  verb->add_option("--level", options->level,
+                   "the probability of any false alarm, at most; default: the file's, else 0.05")
+      ->check(CLI::Range(1e-6, 0.5));
   verb->add_flag("--absolute-times", options->gate.absolute_times,
                  "judge milliseconds as well as ratios: only where the machine does not drift");
   verb->add_flag("--allow-missing", options->gate.allow_missing,

@@ -2,6 +2,7 @@
 
 #include "harness/history/measurement_index.h"
 #include "harness/table_formats.h"
+#include "harness/table_layout.h"
 #include "harness/verbs/verbs.h"
 #include "renderers/scene/error.h"
 
@@ -49,7 +50,7 @@ void add_query_verb(CLI::App& app, Action& action) {
     action = [options] {
       const auto wanted = conditions(*options);
       const history::MeasurementIndex index(options->results, options->rebuild);
-      fmt::print("{}", format_table(index.query(wanted, options->limit), options->format));
+      print_table(index.query(wanted, options->limit), options->format);
       return exit_good;
     };
   });

@@ -3,9 +3,10 @@
 #include "harness/config.h"
 #include "harness/forecast.h"
 #include "harness/runner.h"
-#include "harness/table_formats.h"
+#include "harness/table_layout.h"
 #include "harness/verbs/executor.h"
 #include "harness/verbs/verbs.h"
+#include "renderers/scene/error.h"
 
 namespace occlab {
 namespace {
@@ -26,8 +27,11 @@ void print_forecast(const Experiment& experiment, const RunVerbOptions& options)
   const PlannedDevice device = planned_device(options.run.device, stored);
   const std::vector<BenchPlan> benches = plan_without_context(experiment, device);
   const Forecast found = forecast(benches, device, stored);
-  fmt::print("{}", options.json ? forecast_json(found).dump(2) + "\n"
-                                : format_table(forecast_table(found), "md"));
+  if (options.json) {
+    fmt::print("{}\n", forecast_json(found).dump(2));
+  } else {
+    print_table(forecast_table(found), "md");
+  }
 }
 
 }  // namespace
@@ -65,9 +69,14 @@ void add_run_verb(CLI::App& app, Action& action) {
       const Experiment experiment = load_experiment(options->config, options->overrides, methods());
       if (options->shard) options->run.shard = parse_shard(*options->shard);
       options->run.out = options->out.empty() ? "results/" + experiment.name : options->out;
+      const bool cluster = on_cluster(options->executor);
+      if (options->dry_run && cluster) {
+        throw InputError(
+            "--dry-run: nothing is submitted; accepted is one of it and --executor slurm");
+      }
       if (options->dry_run) {
         print_forecast(experiment, *options);
-      } else if (on_cluster(options->executor)) {
+      } else if (cluster) {
         run_on_cluster(experiment, options->run.out, options->executor);
       } else {
         run_experiment(experiment, options->run);

@@ -6,7 +6,7 @@
 
 #include "harness/config.h"
 #include "harness/forecast.h"
-#include "harness/table_formats.h"
+#include "harness/table_layout.h"
 #include "harness/verbs/verbs.h"
 #include "renderers/scene/error.h"
 
@@ -158,7 +158,7 @@ int why(const WhyOptions& options) {
     } else if (reason.differences.empty()) {
       fmt::print("{}\n", sentence(reason));
     } else {
-      fmt::print("{}", format_table(differences_table(reason), "md"));
+      print_table(differences_table(reason), "md");
     }
     return exit_good;
   }
@@ -172,7 +172,7 @@ int why(const WhyOptions& options) {
   }
   Table table = summary_table(reasons, folder);
   table.notes.push_back(device.note);
-  fmt::print("{}", format_table(table, "md"));
+  print_table(table, "md");
   return exit_good;
 }
 

@@ -1,6 +1,7 @@
 """Planted regressions: what `occlab history check` says of changes whose truth is known.
 
-python3 tests/cli/planted.py [REPETITIONS] prints the table of docs/regression.md; test_history.py
+python3 tests/cli/planted.py [REPETITIONS [BASE SIGN DARK [TIMES.csv...]]] prints the tables of
+docs/regression.md, the last from stored runs; test_history.py
 runs a few repetitions. A repetition compares 8 seeds; all repetitions have seeds of their own. The
 changed programs are copies in whose embedded shader text one function was rewritten: real passes
 drew the images.
@@ -154,7 +155,7 @@ def main():
                        changed_program(folder / "occlab-dark", DARKER))
         results = planted_accuracy(folder, repetitions, base, {
             "wrong sign of band 1": sign, "1% darker light of S3HO": dark})
-        for each in (3, 5):
+        for each in (3, 5, 7):
             runs = [read_csv(path) for path in sys.argv[5:]]
             if len(runs) < 2 * each:
                 continue

@@ -170,6 +170,46 @@ class Checking(HistoryTest):
         for against in (commit, results, results / "measurements.csv"):
             self.assertIn("passed", self.passes("check", results, "--against", against))
 
+    def test_a_changed_experiment_can_be_accepted(self):
+        self.passes("check", self.measured(), "--against", "main", "--accept", "--why", "first")
+        larger = self.measured("larger", "--set", "scene.resolution=[64,36]")
+        refused = self.history("check", larger, "--against", "main")
+        self.assertEqual(refused.returncode, 2, refused.stdout)
+        self.assertIn("nothing was compared: resolution:", refused.stderr)
+        self.passes("check", larger, "--against", "main", "--accept", "--why", "larger images")
+        self.assertIn("passed", self.passes("check", larger, "--against", "main"))
+
+    def test_the_first_baseline_is_compared_with_nothing(self):
+        self.refused(2, ["--junit", "compared with nothing"], "history", "check", smoke_results(),
+                     "--against", "main", "--accept", "--why", "first", "--junit",
+                     self.folder / "junit.xml", "--db", self.db)
+        self.assertFalse(self.db.exists())
+
+    def test_a_run_does_not_repeat_itself(self):
+        results = smoke_results()
+        self.refused(2, ["is the same run as"], "history", "check", results, results, "--against",
+                     results, "--db", self.db)
+        self.refused(2, ["is the same run as"], "history", "check", results, "--against", results,
+                     "--against", results, "--db", self.db)
+
+    def test_a_sweep_is_stored_and_judged(self):
+        results = self.measured("sweep", "--set", 'scene.resolution=["48x27", "64x36"]')
+        self.passes("check", results, "--against", "main", "--accept", "--why", "first")
+        worse = self.worsened(results, 1.1)
+        finished = self.history("check", worse, "--against", "main")
+        self.assertEqual(finished.returncode, 1, finished.stderr)
+        self.assertRegex(finished.stdout, "FAILED: 4 WORSE, [0-9]+ SAME")
+        for size in ("48x27", "64x36"):  # a line says which image it is of
+            self.assertRegex(finished.stdout, rf"WORSE .*s3ho rmse .*{size}")
+
+    def test_a_level_that_is_given_is_before_that_of_the_file(self):
+        settings = self.write("gate.toml", "level = 0.2\n")
+        results = smoke_results()
+        for option, level in (((), "20%"), (("--level", "0.01"), "1%")):
+            out = self.passes("check", results, "--against", results, "--all", "--settings",
+                              settings, *option)
+            self.assertIn(f"at most {level}", " ".join(out.split()))
+
     def test_a_regression_fails_everywhere_and_stays_visible_when_accepted(self):
         results = self.measured()
         self.passes("check", results, "--against", "main", "--accept", "--why", "first")

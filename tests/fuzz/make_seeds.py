@@ -6,8 +6,11 @@ Files named regression-* are inputs that once failed; they are kept by hand.
 """
 
 import base64
+import contextlib
 import json
 import pathlib
+import re
+import sqlite3
 import struct
 import subprocess
 import sys
@@ -148,7 +151,35 @@ def texts():
           "[scene]\nsource = \"gallery\"\n[[run]]\nmethods = [\"ssao\"]\n\0run[0].samples=[1,2]")
 
 
+def histories():
+    steps = re.findall(r'R"sql\((.*?)\)sql"', (ROOT / "harness/history/schema.cpp").read_text(), re.S)
+    for version in (1, 3):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "h.sqlite"
+            with contextlib.closing(sqlite3.connect(path)) as database:
+                database.executescript("PRAGMA page_size = 512; PRAGMA application_id = 0x6f63636c;"
+                                       f"PRAGMA user_version = {version};")
+                for step in steps[:version]:
+                    database.executescript(step)
+                database.execute("INSERT INTO runs VALUES (1, 'c', 'abcd1234', 's', '', "
+                                 "'2026-01-01T00:00:00Z', 'e', 'd', '{\"schema\": 1}')")
+                database.execute("INSERT INTO series VALUES (1, '0123456789abcdef', 'e', 's', 'main', "
+                                 "'64x36', 'sky', 'ssao', '[[\"samples\", \"4\"]]', 'filtered', "
+                                 "'rmse', '1', 'd')")
+                database.execute("INSERT INTO over_seeds VALUES (1, 1, 0.25, 0.125, 0.5, 2, '')")
+                database.execute("INSERT INTO per_seed VALUES (1, 1, 0, 0.25), (1, 1, 1, NULL)")
+                if version == 3:
+                    database.execute("INSERT INTO baselines VALUES (1, 'main', 'e', 1, 'me', "
+                                     "'2026-01-01T00:00:00Z', 'first', '[]')")
+                    database.execute("INSERT INTO intended VALUES ('0123456789abcdef', 'abcd1234', "
+                                     "'me', '2026-01-01T00:00:00Z', 'wanted')")
+                database.commit()
+                database.execute("VACUUM")
+            write("history", f"version-{version}", path.read_bytes())
+
+
 if __name__ == "__main__":
+    histories()
     scenes()
     probes()
     cells()

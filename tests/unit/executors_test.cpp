@@ -5,11 +5,11 @@
 #include <fstream>
 #include <random>
 
-#include "harness/claims.h"
 #include "harness/executors/child_process.h"
 #include "harness/executors/slurm.h"
 #include "harness/executors/slurm_queue.h"
 #include "harness/files.h"
+#include "harness/work_locks.h"
 #include "renderers/scene/error.h"
 
 namespace occlab {
@@ -33,24 +33,24 @@ class ClaimsTest : public FolderTest {};
 class SlurmSettingsTest : public FolderTest {};
 
 TEST_F(ClaimsTest, OneHolderAtATime) {
-  const Claims mine(folder_);
-  const Claims theirs(folder_);
+  const WorkLocks mine(folder_);
+  const WorkLocks theirs(folder_);
   const std::string hash = sha256_text("a cell");
   {
-    const auto claim = mine.take(hash);
-    ASSERT_TRUE(claim);
+    const auto lock = mine.take(hash);
+    ASSERT_TRUE(lock);
     EXPECT_FALSE(theirs.take(hash));
     EXPECT_TRUE(theirs.take(sha256_text("another cell")));
-    EXPECT_EQ(Claims::taken(folder_, hash), true);
+    EXPECT_EQ(WorkLocks::taken(folder_, hash), true);
     EXPECT_FALSE(theirs.wait(hash, 0s));
   }
-  EXPECT_EQ(Claims::taken(folder_, hash), false);
+  EXPECT_EQ(WorkLocks::taken(folder_, hash), false);
   EXPECT_TRUE(theirs.take(hash));
 }
 
 TEST_F(ClaimsTest, AFolderWithoutClaimsIsNotKnown) {
-  EXPECT_EQ(Claims::taken(folder_ / "none", sha256_text("x")), std::nullopt);
-  EXPECT_THROW(Claims(folder_ / "none"), DeviceError);
+  EXPECT_EQ(WorkLocks::taken(folder_ / "none", sha256_text("x")), std::nullopt);
+  EXPECT_THROW(WorkLocks(folder_ / "none"), DeviceError);
 }
 
 TEST(ChildProcess, PassesArgumentsAsTheyAre) {

@@ -182,6 +182,31 @@ TEST(Gate, FewSeedsAreSaid) {
   EXPECT_EQ(report.findings.at(0).outcome, Outcome::unsure);
   ASSERT_FALSE(report.notes.empty());
   EXPECT_NE(report.notes[0].find("Too few seeds"), std::string::npos);
+  // No change whatever could have been told: that is no comparison.
+  EXPECT_EQ(report.compared(), 0u);
+  EXPECT_EQ(report.findings.at(0).reason, "too few seeds");
+  EXPECT_EQ(exit_code(report, {}), exit_bad_input);
+}
+
+TEST(Gate, EveryRunOfTheBaselineCounts) {
+  const SeriesValues rmse = metric("rmse", 0.2, 0.01, 1);
+  const SeriesValues ratio = time_ratio(1.1);
+  const auto judged = [&](const GateSide& before, const GateSide& after) {
+    return run_gate(before, after, {}, {});
+  };
+  // A series that only the second run has is missed where the results do not have it.
+  const GateReport missing = judged({{run({rmse}), run({rmse, ratio})}}, {{run({rmse})}});
+  EXPECT_EQ(missing.count(Outcome::missing), 1u);
+  // An input of the second run is looked at, too.
+  RunData first = run({rmse});
+  RunData second = first;
+  first.facts.run = {{"scene", {{"name", "boxes"}, {"sha256", "aaaa"}}}};
+  second.facts.run = {{"scene", {{"name", "boxes"}, {"sha256", "bbbb"}}}};
+  EXPECT_EQ(judged({{first}}, {{first, second}}).inputs.size(), 1u);
+  EXPECT_EQ(judged({{first}}, {{first, first}}).inputs.size(), 0u);
+  // So are those of a run of several scenes.
+  second.facts.run = {{"benches", {{{"scene", {{"name", "boxes"}, {"sha256", "bbbb"}}}}}}};
+  EXPECT_EQ(judged({{first}}, {{second}}).inputs.size(), 1u);
 }
 
 TEST(Gate, TimesNeedRepeatedRuns) {
@@ -204,6 +229,15 @@ TEST(Gate, TimesNeedRepeatedRuns) {
   // What is learnt from the repeated runs of another commit serves a single one.
   const std::vector<std::vector<RunData>> others = {runs({2.0, 2.02, 1.98, 2.0, 2.01}).runs};
   EXPECT_EQ(run_gate(runs({1.1}), runs({1.3}), others, {}).findings.at(0).outcome, Outcome::worse);
+  // Results that were added to the history before they are checked do not vouch for themselves.
+  GateSide added = runs({1.3, 1.5});
+  int number = 0;
+  for (RunData& data : added.runs) data.facts.run = {{"number", ++number}};
+  const auto degrees = [&](const std::vector<std::vector<RunData>>& groups) {
+    return run_gate(runs({1.1}), added, groups, {}).findings.at(0).how;
+  };
+  EXPECT_NE(degrees({}).find("1 degrees of freedom"), std::string::npos) << degrees({});
+  EXPECT_EQ(degrees({added.runs}), degrees({}));
 }
 
 TEST(Gate, TimesOfOtherMachinesAreNotCompared) {

@@ -202,6 +202,11 @@ TEST_F(HistoryStore, NewerVersionsAreRefusedWithAHint) {
   EXPECT_NE(refusal().find("newer occlab"), std::string::npos);
 }
 
+TEST_F(HistoryStore, VersionsBelowTheFirstAreRefused) {
+  open_history(file(), true).execute("PRAGMA user_version = -7");
+  EXPECT_NE(refusal().find("-7"), std::string::npos);
+}
+
 TEST_F(HistoryStore, WhatIsNoHistoryIsRefused) {
   EXPECT_NE(refusal().find("there is no such history"), std::string::npos);
   std::ofstream(file()) << std::string(5000, 'x');

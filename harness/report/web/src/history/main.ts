@@ -15,7 +15,7 @@ function header(history: History): HTMLElement {
   const facts: [string, string][] = [
     ["Runs", `${history.runs.length}, of ${new Set(history.runs.map(({ commit }) => commit)).size} commits`],
     ["Series", String(history.series.length)], ["Device", devices.join("; ")],
-    ["Steps", `of at least ${100 * history.minimum_effect}%, found at a level of ${history.level}`],
+    ["Steps", `of at least the minimum effect (${100 * history.minimum_effect}% of an error), found at a level of ${history.level}`],
     ["Written", history.written.slice(0, 16).replace("T", " ")],
   ];
   return h("header", {}, h("h1", {}, `${history.project || "Project"}: history`),
@@ -52,6 +52,8 @@ class Page {
     void nextFrame().then(() => this.rest(others)).catch((error: unknown) => this.fail(error));
     window.addEventListener("hashchange", () => {
       if (location.hash === this.written) return;
+      clearTimeout(this.timer);  // a change that was to be written is over
+      this.written = location.hash;
       this.state = readHash(location.hash);
       this.sync();
     });

@@ -54,7 +54,7 @@ function row(catalogue: Catalogue, step: Step, state: State, actions: StepAction
     button("plot", () => actions.plot(step)), " ",
     actions.hasImages(step) && button("images", () => actions.images(step)), " ",
     intended ? h("em", {}, `intended, says ${intended.who} on ${intended.when.slice(0, 10)}: ${intended.why}`)
-      : step.verdict === "WORSE" && marking(catalogue.history, [step], "mark this change as intended"));
+      : step.verdict !== "BETTER" && marking(catalogue.history, [step], "mark this change as intended"));
 }
 
 /** Steps of the same commits, newest first, those with open regressions before the others. */

@@ -1,4 +1,4 @@
-#include "harness/claims.h"
+#include "harness/work_locks.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -39,32 +39,32 @@ long long offset_of(const std::string& hash) {
 
 }  // namespace
 
-Claims::Claim::Claim(Claim&& other) noexcept
+WorkLocks::Lock::Lock(Lock&& other) noexcept
     : descriptor_(std::exchange(other.descriptor_, -1)), offset_(other.offset_) {}
 
-Claims::Claim::~Claim() {
+WorkLocks::Lock::~Lock() {
   if (descriptor_ >= 0) lock_byte(descriptor_, F_UNLCK, offset_);
 }
 
-Claims::Claims(const std::filesystem::path& folder) {
-  const std::filesystem::path path = folder / "claims";
+WorkLocks::WorkLocks(const std::filesystem::path& folder) {
+  const std::filesystem::path path = folder / "locks";
   descriptor_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
   if (descriptor_ < 0) {
     throw DeviceError(fmt::format("{}: cannot be opened: {}", path.string(), std::strerror(errno)));
   }
 }
 
-Claims::~Claims() { ::close(descriptor_); }
+WorkLocks::~WorkLocks() { ::close(descriptor_); }
 
-std::optional<Claims::Claim> Claims::take(const std::string& hash) const {
+std::optional<WorkLocks::Lock> WorkLocks::take(const std::string& hash) const {
   const long long offset = offset_of(hash);
   const int reason = lock_byte(descriptor_, F_WRLCK, offset);
   if (reason == EAGAIN || reason == EACCES) return std::nullopt;
-  return Claim(reason == 0 ? descriptor_ : -1, offset);
+  return Lock(reason == 0 ? descriptor_ : -1, offset);
 }
 
-std::optional<bool> Claims::taken(const std::filesystem::path& folder, const std::string& hash) {
-  const int descriptor = ::open((folder / "claims").c_str(), O_RDONLY | O_CLOEXEC);
+std::optional<bool> WorkLocks::taken(const std::filesystem::path& folder, const std::string& hash) {
+  const int descriptor = ::open((folder / "locks").c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) return std::nullopt;
   struct flock lock {};
   lock.l_type = F_WRLCK;
@@ -76,12 +76,13 @@ std::optional<bool> Claims::taken(const std::filesystem::path& folder, const std
   return known ? std::optional(lock.l_type != F_UNLCK) : std::nullopt;
 }
 
-std::optional<Claims::Claim> Claims::wait(const std::string& hash,
-                                          std::chrono::seconds patience) const {
+std::optional<WorkLocks::Lock> WorkLocks::wait(const std::string& hash,
+                                               std::chrono::seconds patience,
+                                               const std::function<bool()>& needless) const {
   const auto end = std::chrono::steady_clock::now() + patience;
   for (;;) {
-    if (auto claim = take(hash)) return claim;
-    if (std::chrono::steady_clock::now() >= end) return std::nullopt;
+    if (auto lock = take(hash)) return lock;
+    if (needless() || std::chrono::steady_clock::now() >= end) return std::nullopt;
     throw_if_interrupted();
     std::this_thread::sleep_for(between_looks);
   }
