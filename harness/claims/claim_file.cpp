@@ -38,12 +38,16 @@ std::vector<Variable> read_variables(TomlTable& claim) {
 
 using Filters = std::vector<std::pair<std::string, std::string>>;
 
-Filters read_where(TomlTable& claim) {
+Filters read_where(TomlTable& claim, const std::vector<MethodInfo>& methods) {
   Filters filters;
   if (!claim.has("where")) return filters;
   TomlTable where = claim.table("where");
+  const std::vector<std::string> known = filter_names(methods);
   for (const std::string& name : where.others()) {
     if (name == "experiment") where.fail(name, "accepted is the claim's own key 'experiment'");
+    if (std::ranges::find(known, name) == known.end()) {
+      where.fail(name, "unknown" + accepted_words(name, known));
+    }
     filters.emplace_back(name, to_string(where.values(name, false).front()));
   }
   return filters;
@@ -78,7 +82,7 @@ std::string label(const std::vector<Variable>& variables, const ClaimVariables& 
 class CaseReader {
  public:
   CaseReader(TomlTable& table, const Claim& claim, const std::vector<MethodInfo>& methods)
-      : table_(table), claim_(claim), methods_(methods), where_(read_where(table)) {}
+      : table_(table), claim_(claim), methods_(methods), where_(read_where(table, methods)) {}
 
   std::vector<ClaimCase> read() {
     const std::vector<Variable> variables = read_variables(table_);

@@ -18,7 +18,6 @@ std::string holds_cell(const JudgedClaim& judged) {
   return fmt::format("{} of {}", judged.holding(), judged.cases.size());
 }
 
-/// Numbers are written as `claims` words them, so that they are read with their statement.
 std::string range(const Interval& interval) {
   return fmt::format("[{:.4g}, {:.4g}]", interval.low, interval.high);
 }
@@ -122,8 +121,7 @@ void add_evidence(Table& table, const std::string& id, const CaseEvidence& evide
                           estimate.folder});
   };
   if (evidence.estimate && evidence.interval) {
-    row(evidence.quantity + (evidence.estimate->difference ? ", difference" : ""),
-        number(evidence.estimate->value, evidence.interval), evidence.accepted,
+    row(evidence.quantity, number(evidence.estimate->value, evidence.interval), evidence.accepted,
         outcome_text(evidence), *evidence.estimate, evidence.interval->confidence);
   }
   if (evidence.value) {

@@ -61,13 +61,8 @@ void check_filter(const std::string& name, const std::string& value, const Metho
   }
   if (name == "closeup" || find_column(name)) return;
   if (!has_parameter(method, name)) {
-    std::vector<std::string> accepted = {"closeup"};
-    for (const Column& column : columns) accepted.emplace_back(column.name);
-    for (const Parameter& parameter : method.parameters) {
-      if (parameter.name != "seed") accepted.push_back(parameter.name);
-    }
     throw InputError(fmt::format("unknown filter '{}' of {}{}", name, method.name,
-                                 accepted_words(name, accepted)));
+                                 accepted_words(name, filter_names({method}))));
   }
   ParameterSet(method.parameters).set_text(name, value);  // throws
 }
@@ -119,6 +114,18 @@ std::vector<std::string> claim_metrics() {
                                     "time_exponent.AXIS.PASS"};
   for (const MetricInfo& metric : metrics()) {
     if (!has_no_ratios(metric.name)) names.push_back(metric.name);
+  }
+  return names;
+}
+
+std::vector<std::string> filter_names(const std::vector<MethodInfo>& methods) {
+  std::vector<std::string> names = {"closeup"};
+  for (const Column& column : columns) names.emplace_back(column.name);
+  for (const MethodInfo& method : methods) {
+    for (const Parameter& parameter : method.parameters) {
+      const bool known = std::ranges::find(names, parameter.name) != names.end();
+      if (!known && parameter.name != "seed") names.push_back(parameter.name);
+    }
   }
   return names;
 }

@@ -24,6 +24,9 @@ ClaimMetric claim_metric(const std::string& name);
 /// The names that claim_metric accepts.
 std::vector<std::string> claim_metrics();
 
+/// Columns, `closeup` and the parameters of all methods: what a filter may be called.
+std::vector<std::string> filter_names(const std::vector<MethodInfo>& methods);
+
 /// Whether a filter of `where` means the rows of this term: a column always, a parameter where the
 /// method has it, a stage where the metric has one.
 bool takes_filter(const ClaimTerm& term, const std::string& name,

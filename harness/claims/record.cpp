@@ -65,16 +65,26 @@ const JudgedClaim* find_claim(const JudgedClaims& claims, const std::string& id)
   return found == claims.all.end() ? nullptr : &*found;
 }
 
+/// "2 of 9 cases contradicted, 1 unresolved".
+std::string what_fails(const JudgedClaim& judged) {
+  if (judged.claim->statement.empty()) {
+    return fmt::format("{} of {} values", judged.cases.size() - judged.holding(),
+                       judged.cases.size());
+  }
+  const auto count = [&](CaseOutcome outcome) {
+    return std::ranges::count(judged.cases, outcome, &CaseEvidence::outcome);
+  };
+  return fmt::format("{} of {} cases contradicted, {} unresolved", count(CaseOutcome::contradicted),
+                     judged.cases.size(), count(CaseOutcome::unresolved));
+}
+
 /// Adds what there is to say of one claim of the record.
 void compare_one(const std::string& id, const RecordedClaim& before, const JudgedClaim& now,
                  RecordComparison& result) {
   const auto remark = [&](const std::string& text) { result.remarks.push_back(id + ": " + text); };
   if (now.verdict == before.verdict) return;
   if (now.verdict == ClaimVerdict::untestable) {
-    if (is_reproduced(before.verdict)) {
-      remark(fmt::format("was {}, and cannot be tested here: {}", to_string(before.verdict),
-                         now.reason));
-    }
+    result.untested += is_reproduced(before.verdict) ? 1 : 0;
     return;
   }
   if (before.statement != text_of(*now.claim)) {
@@ -86,8 +96,8 @@ void compare_one(const std::string& id, const RecordedClaim& before, const Judge
                               before.device, to_string(before.verdict)));
   }
   if (is_reproduced(before.verdict) && !is_reproduced(now.verdict)) {
-    result.lost.push_back(
-        fmt::format("{}: was {}, and is not any more", id, to_string(before.verdict)));
+    result.lost.push_back(fmt::format("{}: was {}, and is not any more: {}", id,
+                                      to_string(before.verdict), what_fails(now)));
     return;
   }
   remark(fmt::format("was {}, is {}", to_string(before.verdict), to_string(now.verdict)));

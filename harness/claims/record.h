@@ -34,9 +34,9 @@ ClaimRecord accept(const ClaimRecord& before, const JudgedClaims& claims,
 struct RecordComparison {
   /// Of claims that were reproduced and are not any more, or are gone: a failure.
   std::vector<std::string> lost;
-  /// What is worth saying: new verdicts, claims that cannot be tested here, other devices, other
-  /// statements.
+  /// What is worth saying: new verdicts, other devices, other statements.
   std::vector<std::string> remarks;
+  std::size_t untested = 0;  ///< how many were reproduced and cannot be tested now
 };
 /// A claim about times that was accepted on another device is not compared, nor one whose statement
 /// has changed.

@@ -84,8 +84,12 @@ CaseEvidence gather(const Claim& claim, const ClaimCase& one, ClaimEstimator& es
     return estimate;
   };
   if (one.statement) {
-    evidence.quantity = to_string(one.statement->quantity);
     evidence.estimate = take(one.statement->quantity);
+    evidence.quantity = to_string(one.statement->quantity);
+    if (evidence.estimate->difference) {
+      evidence.quantity = fmt::format("{} - {}", to_string(one.statement->quantity.factors[0].term),
+                                      to_string(one.statement->quantity.factors[1].term));
+    }
     evidence.accepted = to_string(bounds_of(*one.statement, evidence.estimate->difference));
     if (!evidence.estimate->reason.empty()) evidence.estimate.reset();
   }

@@ -48,6 +48,17 @@ std::vector<MeasuredFolder> read_folders(const std::vector<std::string>& names) 
   return folders;
 }
 
+/// To standard error, as what is printed may be for a program.
+void report(const RecordComparison& comparison, const fs::path& record) {
+  const auto say = [](const std::string& text) { fmt::print(stderr, "occlab: {}\n", text); };
+  for (const std::string& remark : comparison.remarks) say(remark);
+  if (comparison.untested > 0) {
+    say(fmt::format("{} claims that {} has as reproduced cannot be tested with these results",
+                    comparison.untested, record.string()));
+  }
+  for (const std::string& lost : comparison.lost) say("LOST: " + lost);
+}
+
 int claims(const ClaimsOptions& options) {
   const fs::path claims_path = options.claims.empty() ? data_root() / "configs/papers/claims.toml"
                                                       : fs::path(options.claims);
@@ -66,8 +77,7 @@ int claims(const ClaimsOptions& options) {
     print_tables(claim_tables(file, judged), options.format);
   }
   const RecordComparison comparison = compare(record, judged);
-  for (const std::string& remark : comparison.remarks) fmt::print(stderr, "occlab: {}\n", remark);
-  for (const std::string& lost : comparison.lost) fmt::print(stderr, "occlab: LOST: {}\n", lost);
+  report(comparison, record_path);
   if (options.accept) {
     write_record(record_path, accept(record, judged, std::string(build_commit)));
     fmt::print(stderr, "occlab: these verdicts are now expected: {}\n", record_path.string());

@@ -121,6 +121,8 @@ class ExperimentFormat(CliTest):
 
     def test_committed_experiments_load(self):
         for path in sorted((ROOT / "configs").rglob("*.toml")):
+            if path.name == "claims.toml":  # no experiment: test_claims.py
+                continue
             with self.subTest(path.name):
                 verb = "run" if "[[run]]" in path.read_text(encoding="utf-8") else "time"
                 self.assertRegex(self.plan(path, verb=verb), "--device 999: unknown")

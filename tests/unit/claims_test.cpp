@@ -350,7 +350,7 @@ TEST(Record, KnowsWhatWasLost) {
   // Nothing measured: not lost, but said; and accepting keeps what was known.
   const RecordComparison nothing = compare(record, judge_rows({}));
   EXPECT_TRUE(nothing.lost.empty());
-  EXPECT_EQ(nothing.remarks.size(), 1U);
+  EXPECT_EQ(nothing.untested, 1U);
   EXPECT_EQ(accept(record, judge_rows({}), "abc").claims.at("planted").verdict,
             ClaimVerdict::ordering);
   // A claim that is gone is lost; one with another statement is not compared.
