@@ -6,7 +6,10 @@
 #include <cmath>
 #include <limits>
 
+#include "renderers/methods/bounce.h"
+#include "renderers/methods/cpu_bounce.h"
 #include "renderers/methods/cpu_passes.h"
+#include "renderers/methods/representation_layers.h"
 #include "renderers/scene/error.h"
 
 namespace occlab {
@@ -69,12 +72,9 @@ Image moved(const Image& values, const Image& bound, int channel, float sign) {
   return result;
 }
 
-/// The bound of L_o from that of the values it is lit from.
-Image radiance_bound(const Representation& representation, const Image& values, const Image& bound,
-                     const GBufferImages& surface, const CpuLighting& lighting) {
-  const auto lit = [&](const Image& of) {
-    return light_on_cpu(representation, of, surface, lighting);
-  };
+/// The sum over the channels of what moving one by its bound makes of what is lit from them.
+template <typename Lit>
+Image moved_light(const Image& values, const Image& bound, const Lit& lit) {
   const Image radiance = lit(values);
   Image result(radiance.width(), radiance.height(), radiance.channels());
   for (int c = 0; c < values.channels(); ++c) {
@@ -86,11 +86,91 @@ Image radiance_bound(const Representation& representation, const Image& values, 
           std::max(std::abs(above.values()[i] - here), std::abs(below.values()[i] - here));
     }
   }
-  for (std::size_t i = 0; i < result.values().size(); ++i) {
-    result.values()[i] += pass_rounding * std::abs(radiance.values()[i]);
-  }
   return result;
 }
+
+void add_rounding(Image& bound, const Image& values) {
+  for (std::size_t i = 0; i < bound.values().size(); ++i) {
+    bound.values()[i] += pass_rounding * std::abs(values.values()[i]);
+  }
+}
+
+/// The bounds of a method's values and of the layers that are lit from them.
+class Bounds {
+ public:
+  Bounds(const Frame& frame, const MethodInfo& method, const ParameterSet& parameters)
+      : representation_(*method.representation),
+        constants_(pass_constants(parameters)),
+        surface_(frame.surface(gbuffer_bits(parameters))),
+        lighting_(frame.lighting, constants_) {}
+
+  /// Of the passes that collect the values.
+  PassValues collected(const PassValues& values) const {
+    return stored(values,
+                  {zeros(values.representation), zeros(values.direct), zeros(values.bounce)});
+  }
+
+  /// Of the filter, which hands on the bounds of what it reads.
+  PassValues filtered(const PassValues& values, const PassValues& unfiltered_bounds) const {
+    return stored(values, filter_on_cpu(unfiltered_bounds, surface_, constants_));
+  }
+
+  Image radiance(const PassValues& values, const PassValues& bounds) const {
+    Image bound = direct(values.representation, bounds.representation);
+    if (!values.bounce.empty()) bound = sum_of(std::move(bound), bounce(values, bounds));
+    add_rounding(bound, light_on_cpu(representation_, values, surface_, lighting_));
+    return bound;
+  }
+
+  /// Of a difference of two radiances, on the GPU; what direct light has in common cancels.
+  Image indirect(const PassValues& values, const PassValues& bounds) const {
+    Image bound = values.bounce.empty()
+                      ? sum_of(direct(values.representation, bounds.representation),
+                               direct(values.direct, bounds.direct))
+                      : bounce(values, bounds);
+    const Image all = light_on_cpu(representation_, values, surface_, lighting_);
+    add_rounding(bound, all);
+    add_rounding(bound, all);
+    return bound;
+  }
+
+ private:
+  static Image zeros(const Image& like) {
+    return like.empty() ? Image() : Image(like.width(), like.height(), like.channels());
+  }
+
+  PassValues stored(const PassValues& values, PassValues bounds) const {
+    const float error = representation_.storage_error;
+    add_stored(bounds.representation, values.representation, surface_.mask, error);
+    if (!values.direct.empty()) {
+      add_stored(bounds.direct, values.direct, surface_.mask, error);
+      // What senders send was itself lit and read before.
+      add_stored(bounds.representation, values.representation, surface_.mask, error);
+    }
+    if (!values.bounce.empty()) {
+      add_stored(bounds.bounce, values.bounce, surface_.mask,
+                 representation_.bounce->storage_error);
+    }
+    return bounds;
+  }
+
+  Image direct(const Image& values, const Image& bound) const {
+    return moved_light(values, bound, [&](const Image& of) {
+      return light_on_cpu(representation_, of, surface_, lighting_);
+    });
+  }
+
+  Image bounce(const PassValues& values, const PassValues& bounds) const {
+    return moved_light(values.bounce, bounds.bounce, [&](const Image& of) {
+      return light_bounce_on_cpu(*representation_.bounce, of, surface_, lighting_);
+    });
+  }
+
+  const Representation& representation_;
+  PassConstants constants_;
+  const GBufferImages& surface_;
+  CpuLighting lighting_;
+};
 
 }  // namespace
 
@@ -125,27 +205,27 @@ std::string describe(const WorstPixel& worst) {
 Layers rounding_bounds(const Frame& frame, const MethodInfo& method,
                        const ParameterSet& parameters) {
   const Representation& representation = *method.representation;
-  const PassConstants constants = pass_constants(parameters);
-  const GBufferImages& surface = frame.surface(gbuffer_bits(parameters));
-  const CpuLighting lighting(frame.lighting, constants);
-  const auto lit_bound = [&](const Image& values, const Image& bound) {
-    return radiance_bound(representation, values, bound, surface, lighting);
-  };
-  const Image values = occlusion_on_cpu(frame, parameters, representation);
-  Image bound(values.width(), values.height(), values.channels());
-  add_stored(bound, values, surface.mask, representation.storage_error);
-  Layers bounds;
-  if (!filters(parameters)) {
-    bounds.add("radiance", lit_bound(values, bound));
-    representation.add_layers(bound, bounds);  // channels of the values, or multiples of them
-    return bounds;
+  const Bounds of(frame, method, parameters);
+  const PassValues values = collect_on_cpu(frame, parameters, representation);
+  const PassValues bound = of.collected(values);
+  PassValues filtered = values;
+  PassValues filtered_bound = bound;
+  if (filters(parameters)) {
+    filtered =
+        filter_on_cpu(values, frame.surface(gbuffer_bits(parameters)), pass_constants(parameters));
+    filtered_bound = of.filtered(filtered, bound);
   }
-  const Image filtered = filter_on_cpu(values, surface, constants);
-  Image filtered_bound = filter_on_cpu(bound, surface, constants);
-  add_stored(filtered_bound, filtered, surface.mask, representation.storage_error);
-  bounds.add("radiance", lit_bound(filtered, filtered_bound));
-  representation.add_layers(filtered_bound, bounds);
-  bounds.add("radiance_unfiltered", lit_bound(values, bound));
+  Layers bounds;
+  bounds.add("radiance", of.radiance(filtered, filtered_bound));
+  // channels of the values, or multiples of them
+  representation.add_layers(filtered_bound.representation, bounds);
+  if (filters(parameters)) bounds.add("radiance_unfiltered", of.radiance(values, bound));
+  if (representation.bounce) {
+    bounds.add("radiance_indirect", of.indirect(filtered, filtered_bound));
+    if (filters(parameters)) {
+      bounds.add("radiance_indirect_unfiltered", of.indirect(values, bound));
+    }
+  }
   return bounds;
 }
 

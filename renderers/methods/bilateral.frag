@@ -1,7 +1,13 @@
-// The 8x8 geometry-aware bilateral filter of a representation: floats, or SH packed as halves.
+// The 8x8 geometry-aware bilateral filter of a representation: floats, or SH packed as halves,
+// alone or with those of a bounce.
 #include "renderers/methods/screen_space.glsl"
 #include "renderers/shared/filter.h"
 #include "renderers/shared/sh.h"
+
+#define FILTERS_BOUNCE (INTEGER_TARGETS && TARGET_COUNT == 6)
+#if FILTERS_BOUNCE
+#include "renderers/shared/representation_sh_bounce.h"
+#endif
 
 #if INTEGER_TARGETS
 layout(binding = 5) uniform usampler2D input_low;
@@ -11,6 +17,16 @@ layout(location = 1) out uvec4 out_high;
 #else
 layout(binding = 5) uniform sampler2D input_map;
 layout(location = 0) out vec4 out_value;
+#endif
+#if FILTERS_BOUNCE
+layout(binding = 7) uniform usampler2D input_red;
+layout(binding = 8) uniform usampler2D input_green;
+layout(binding = 9) uniform usampler2D input_blue;
+layout(binding = 10) uniform usampler2D input_last;
+layout(location = 2) out uvec4 out_red;
+layout(location = 3) out uvec4 out_green;
+layout(location = 4) out uvec4 out_blue;
+layout(location = 5) out uvec4 out_last;
 #endif
 
 void main() {
@@ -22,6 +38,13 @@ void main() {
 #else
   vec4 sum = vec4(0.0);
   out_value = sum;
+#endif
+#if FILTERS_BOUNCE
+  ShBounce bounce = sh_bounce_zero();
+  out_red = uvec4(0u);
+  out_green = uvec4(0u);
+  out_blue = uvec4(0u);
+  out_last = uvec4(0u);
 #endif
   vec4 p = texelFetch(position_view, pixel, 0);
   if (p.w == 0.0) return;
@@ -44,6 +67,13 @@ void main() {
 #else
       sum += w * texelFetch(input_map, inside, 0);
 #endif
+#if FILTERS_BOUNCE
+      bounce = sh_bounce_add_scaled(
+          bounce,
+          sh_bounce_unpack(texelFetch(input_red, inside, 0), texelFetch(input_green, inside, 0),
+                           texelFetch(input_blue, inside, 0), texelFetch(input_last, inside, 0)),
+          w);
+#endif
     }
   }
 #if INTEGER_TARGETS
@@ -52,5 +82,12 @@ void main() {
   out_high = sh_pack_high(sum);
 #else
   out_value = sum / weights;
+#endif
+#if FILTERS_BOUNCE
+  bounce = sh_bounce_add_scaled(sh_bounce_zero(), bounce, 1.0 / weights);
+  out_red = sh_bounce_pack_colour(bounce.r0, bounce.r1);
+  out_green = sh_bounce_pack_colour(bounce.g0, bounce.g1);
+  out_blue = sh_bounce_pack_colour(bounce.b0, bounce.b1);
+  out_last = sh_bounce_pack_last(bounce.last);
 #endif
 }

@@ -33,12 +33,6 @@ double relative_half_difference(const Image& a, const Image& b, const Image& mas
   return std::sqrt(squares / (3.0 * double(pixels))) / (sum / double(pixels));
 }
 
-Image sum_of(const Image& a, const Image& b) {
-  Image sum = a;
-  for (std::size_t i = 0; i < sum.values().size(); ++i) sum.values()[i] += b.values()[i];
-  return sum;
-}
-
 }  // namespace
 
 std::vector<Converged> converge(const GBufferImages& surface, const Lighting& lighting,

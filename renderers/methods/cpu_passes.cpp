@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "renderers/methods/bounce.h"
+#include "renderers/methods/cpu_bounce.h"
 #include "renderers/methods/representation_layers.h"
 #include "renderers/scene/interrupt.h"
 #include "renderers/scene/parallel.h"
@@ -264,7 +266,7 @@ Image filter_on_cpu(const Image& values, const GBufferImages& surface,
   const float scale = constants.filter_scale * constants.d_max_world;
   for_each_surface_pixel(surface, [&](int x, int y) {
     const ShadedPoint center = point_at(surface, x, y);
-    Values sum{};
+    Bounce::Values sum{};
     float weights = 0.0f;
     for (int row = y + filter_first; row <= y + filter_last; ++row) {
       for (int column = x + filter_first; column <= x + filter_last; ++column) {
@@ -279,8 +281,8 @@ Image filter_on_cpu(const Image& values, const GBufferImages& surface,
         for (std::size_t c = 0; c < texel.size(); ++c) sum[c] += w * texel[c];
       }
     }
-    for (float& value : sum) value /= weights;
-    set_values(filtered, x, y, sum);
+    const auto target = filtered.pixel(x, y);
+    for (std::size_t c = 0; c < target.size(); ++c) target[c] = sum[c] / weights;
   });
   return filtered;
 }
@@ -319,26 +321,73 @@ Image occlusion_on_cpu(const Frame& frame, const ParameterSet& parameters,
   return representation_of(representation, sums, constants.samples);
 }
 
+PassValues collect_on_cpu(const Frame& frame, const ParameterSet& parameters,
+                          const Representation& representation) {
+  PassValues values{.representation = occlusion_on_cpu(frame, parameters, representation),
+                    .direct = {},
+                    .bounce = {}};
+  const Bounce* const bounce = representation.bounce;
+  if (!bounce) return values;
+  if (!bounce->reads_lit) {
+    values.bounce = bounce_on_cpu(frame, parameters, *bounce, {});
+    return values;
+  }
+  values.direct = values.representation;
+  const Image lit =
+      light_on_cpu(representation, values.direct, frame.surface(gbuffer_bits(parameters)),
+                   CpuLighting(frame.lighting, pass_constants(parameters)));
+  values.representation = sum_of(values.direct, bounce_on_cpu(frame, parameters, *bounce, lit));
+  return values;
+}
+
+PassValues filter_on_cpu(const PassValues& values, const GBufferImages& surface,
+                         const PassConstants& constants) {
+  const auto filtered = [&](const Image& image) {
+    return image.empty() ? Image() : filter_on_cpu(image, surface, constants);
+  };
+  return {filtered(values.representation), filtered(values.direct), filtered(values.bounce)};
+}
+
+Image light_on_cpu(const Representation& representation, const PassValues& values,
+                   const GBufferImages& surface, const CpuLighting& lighting) {
+  const Image radiance = light_on_cpu(representation, values.representation, surface, lighting);
+  if (values.bounce.empty()) return radiance;
+  return sum_of(radiance,
+                light_bounce_on_cpu(*representation.bounce, values.bounce, surface, lighting));
+}
+
+Image light_bounce_on_cpu(const Representation& representation, const PassValues& values,
+                          const GBufferImages& surface, const CpuLighting& lighting) {
+  if (!values.bounce.empty()) {
+    return light_bounce_on_cpu(*representation.bounce, values.bounce, surface, lighting);
+  }
+  return difference(light_on_cpu(representation, values.representation, surface, lighting),
+                    light_on_cpu(representation, values.direct, surface, lighting));
+}
+
 Layers evaluate_on_cpu(const Frame& frame, const ParameterSet& parameters,
                        const Representation& representation) {
   const PassConstants constants = pass_constants(parameters);
   const GBufferImages& surface = frame.surface(gbuffer_bits(parameters));
   const CpuLighting lighting(frame.lighting, constants);
   std::size_t negative_pixels = 0;
-  const auto lit = [&](const Image& values) {
+  const auto lit = [&](const PassValues& values) {
     return clamp_negative(light_on_cpu(representation, values, surface, lighting), negative_pixels);
   };
-  const Image unfiltered = occlusion_on_cpu(frame, parameters, representation);
+  const auto bounced = [&](const PassValues& values) {
+    return light_bounce_on_cpu(representation, values, surface, lighting);
+  };
+  const PassValues unfiltered = collect_on_cpu(frame, parameters, representation);
+  const PassValues filtered =
+      filters(parameters) ? filter_on_cpu(unfiltered, surface, constants) : unfiltered;
   Layers layers;
-  if (!filters(parameters)) {
-    layers.add("radiance", lit(unfiltered));
-    representation.add_layers(unfiltered, layers);
-    return layers;
-  }
-  const Image filtered = filter_on_cpu(unfiltered, surface, constants);
   layers.add("radiance", lit(filtered));
-  representation.add_layers(filtered, layers);
-  layers.add("radiance_unfiltered", lit(unfiltered));
+  representation.add_layers(filtered.representation, layers);
+  if (filters(parameters)) layers.add("radiance_unfiltered", lit(unfiltered));
+  if (representation.bounce) {
+    layers.add("radiance_indirect", bounced(filtered));
+    if (filters(parameters)) layers.add("radiance_indirect_unfiltered", bounced(unfiltered));
+  }
   return layers;
 }
 

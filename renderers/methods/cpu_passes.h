@@ -51,6 +51,27 @@ Image light_on_cpu(const Representation& representation, const Image& values,
 /// The G-buffer that the parameters ask for (`gbuffer_bits`).
 GBufferBits gbuffer_bits(const ParameterSet& parameters);
 
+/// What a method's passes hold before its lighting.
+struct PassValues {
+  Image representation;  ///< with the bounce, where that is added to it
+  Image direct;          ///< the representation without it; empty where it is not added
+  Image bounce;          ///< where it is kept apart; empty otherwise
+};
+
+/// The unfiltered values with the parameters' samples, seed and visibility source.
+PassValues collect_on_cpu(const Frame& frame, const ParameterSet& parameters,
+                          const Representation& representation);
+/// Each of them filtered.
+PassValues filter_on_cpu(const PassValues& values, const GBufferImages& surface,
+                         const PassConstants& constants);
+/// L_o of all light, RGB, not clamped.
+Image light_on_cpu(const Representation& representation, const PassValues& values,
+                   const GBufferImages& surface, const CpuLighting& lighting);
+
+/// The bounce's part of it, where the representation has one.
+Image light_bounce_on_cpu(const Representation& representation, const PassValues& values,
+                          const GBufferImages& surface, const CpuLighting& lighting);
+
 /// All passes: the layers that the method's evaluate() gives, but for `off_screen`.
 Layers evaluate_on_cpu(const Frame& frame, const ParameterSet& parameters,
                        const Representation& representation);

@@ -40,6 +40,7 @@ struct MethodInfo {
   /// What a screen-space method accumulates, on the CPU; nullptr if it cannot.
   const Representation* representation = nullptr;
   std::function<std::unique_ptr<OcclusionMethod>()> make = {};
+  std::string truth = "rtdo";  ///< the method that traces what this one approximates
 };
 
 /// Every method, in the order of the tables (registry.cpp).

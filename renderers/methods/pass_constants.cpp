@@ -83,6 +83,23 @@ std::vector<Parameter> screen_space_parameters() {
   return all;
 }
 
+std::vector<Parameter> bounce_parameters(const std::string& form_factor) {
+  Parameter factor =
+      choice_parameter("form_factor", {"solid_angle", "patch"},
+                       "what a blocker's light counts for: the solid angle that its direction "
+                       "stands for, or a patch "
+                       "of `sender_area` [SSDO sec. 3]; the S3HO paper does not say");
+  factor.default_value = form_factor;
+  return of_factor(
+      Factor::representation,
+      {factor,
+       choice_parameter("distance_clamp", {"unit", "patch_radius", "none"},
+                        "least distance to a patch: 1 scene unit, as the paper has it [SSDO sec. "
+                        "3], d_max/sqrt(N), or 0"),
+       real_parameter("sender_area", 1.0, 0.0, 1e6, "pi d_max^2/N",
+                      "A_s, the area of a patch, which scales the bounce [SSDO sec. 3]")});
+}
+
 bool filters(const ParameterSet& parameters) { return parameters.choice("filter") != "none"; }
 bool traces(const ParameterSet& parameters) { return parameters.choice("visibility") == "traced"; }
 
@@ -100,6 +117,7 @@ BlockerWeight blocker_weight(const ParameterSet& parameters) {
 }
 
 PassConstants pass_constants(const ParameterSet& parameters) {
+  const bool bounces = parameters.has("form_factor");
   return {.samples = int(parameters.integer("samples")),
           .steps = int(parameters.integer("steps")),
           .d_max_world = parameters.real32("d_max_world"),
@@ -109,7 +127,10 @@ PassConstants pass_constants(const ParameterSet& parameters) {
           .filter_power = parameters.real32("filter_power"),
           .filter_scale = parameters.real32("filter_scale"),
           .hanning_width = parameters.real32("hanning_width"),
-          .cone_angle = parameters.has("cone_angle") ? choice_index(parameters, "cone_angle") : 0};
+          .cone_angle = parameters.has("cone_angle") ? choice_index(parameters, "cone_angle") : 0,
+          .form_factor = bounces ? choice_index(parameters, "form_factor") : 0,
+          .distance_clamp = bounces ? choice_index(parameters, "distance_clamp") : 0,
+          .sender_area = bounces ? parameters.real32("sender_area") : 0.0f};
 }
 
 int whole_filter_power(const PassConstants& constants) {

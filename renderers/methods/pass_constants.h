@@ -15,6 +15,9 @@ std::vector<Parameter> weight_parameters();
 /// methods share.
 std::vector<Parameter> screen_space_parameters();
 
+/// What a blocker's light counts for in a bounce (shared/bounce.h); `form_factor` is the default.
+std::vector<Parameter> bounce_parameters(const std::string& form_factor);
+
 /// weight_parameters() and d_max_world, for code that runs per ray on the CPU.
 BlockerWeight blocker_weight(const ParameterSet& parameters);
 
@@ -31,6 +34,10 @@ struct PassConstants {
   float filter_scale = 0.0f;
   float hanning_width = 0.0f;
   int cone_angle = 0;  ///< shared/representation_bent_cone.h; 0 where a method does not declare it
+  /// bounce_parameters(), where a method declares them.
+  int form_factor = 0;
+  int distance_clamp = 0;
+  float sender_area = 0.0f;
 };
 PassConstants pass_constants(const ParameterSet& parameters);
 

@@ -6,7 +6,12 @@
 #include "renderers/scene/error.h"
 
 // Every method once, in the order of the tables. A new method adds its name to this list.
-#define OCCLAB_METHODS(METHOD) METHOD(rtdo) METHOD(ssao) METHOD(s3ho) METHOD(ssdo) METHOD(ssbn)
+#define OCCLAB_METHODS(METHOD) \
+  METHOD(rtdo)                 \
+  METHOD(ssao)                 \
+  METHOD(s3ho)                 \
+  METHOD(ssdo)                 \
+  METHOD(ssbn) METHOD(s3hogi) METHOD(ssdogi) METHOD(rtgi_unoccluded) METHOD(rtgi_shaded)
 
 namespace occlab {
 

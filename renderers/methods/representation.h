@@ -18,6 +18,8 @@ struct SampledDirection {
   glm::vec3 radiance;  ///< L_in, only where the representation reads it
 };
 
+struct Bounce;
+
 /// What a visible direction is accumulated into, and how light is read back out of it: the CPU's
 /// form of an occlusion pass and its lighting pass, from the headers that the shaders include.
 struct Representation {
@@ -44,6 +46,8 @@ struct Representation {
   Image (*download)(const Framebuffer& target, int channels) = nullptr;
   /// Adds the method's own layers.
   void (*add_layers)(const Image& values, Layers& layers) = nullptr;
+  /// What blockers send, in addition; null for direct light alone.
+  const Bounce* bounce = nullptr;
 };
 
 }  // namespace occlab

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 
 #include "renderers/shared/representation_sh4.h"
 
@@ -35,6 +36,18 @@ Image channels_of(const Image& image, int first, int count) {
     }
   }
   return part;
+}
+
+Image sum_of(Image a, const Image& b) {
+  assert(a.values().size() == b.values().size());
+  for (std::size_t i = 0; i < a.values().size(); ++i) a.values()[i] += b.values()[i];
+  return a;
+}
+
+Image difference(Image a, const Image& b) {
+  assert(a.values().size() == b.values().size());
+  for (std::size_t i = 0; i < a.values().size(); ++i) a.values()[i] -= b.values()[i];
+  return a;
 }
 
 Image download_packed_sh(const Framebuffer& target, int) {

@@ -13,6 +13,10 @@ Representation::Values values_of(const Sh4& sh);
 /// `count` channels of an image, from `first` on.
 Image channels_of(const Image& image, int first, int count);
 
+/// Value by value; both have one size and as many channels.
+Image sum_of(Image a, const Image& b);
+Image difference(Image a, const Image& b);
+
 /// Representation::upload and download of what one float texture holds.
 void upload_floats(const Image& values, const Framebuffer& target);
 Image download_floats(const Framebuffer& target, int channels);

@@ -21,15 +21,19 @@ TraceSettings settings_of(const ParameterSet& parameters) {
 
 class RayTracedOcclusion final : public OcclusionMethod {
  public:
+  explicit RayTracedOcclusion(std::optional<SentLight> bounce) : bounce_(bounce) {}
+
   void render(const Frame& frame, const ParameterSet& parameters) override {
     const GBufferImages& surface = frame.surface();
     const TracedScene& traced = frame.traced();
+    TraceSettings settings = settings_of(parameters);
+    if (bounce_) settings.bounce = {.sent = *bounce_, .scene = &frame.scene};
     frame.clock("trace", [&] {
       reference_ =
           trace_reference(traced, frame.lighting.environment(), frame.lighting.lights(), frame.view,
                           {surface.position_view, surface.normal_view,
                            surface.geometric_normal_view, surface.albedo, surface.mask},
-                          settings_of(parameters));
+                          settings);
     });
   }
 
@@ -38,6 +42,7 @@ class RayTracedOcclusion final : public OcclusionMethod {
     Layers layers;
     layers.add("radiance", std::move(reference_.radiance));
     layers.add("radiance_variance", std::move(reference_.radiance_variance));
+    if (bounce_) layers.add("radiance_indirect", std::move(reference_.radiance_indirect));
     if (!reference_.ambient_occlusion.empty()) {
       layers.add("ambient_occlusion", std::move(reference_.ambient_occlusion));
     }
@@ -47,12 +52,12 @@ class RayTracedOcclusion final : public OcclusionMethod {
   }
 
  private:
+  std::optional<SentLight> bounce_;
   Reference reference_;
 };
 
-}  // namespace
-
-MethodInfo rtdo() {
+MethodInfo traced_method(std::string name, std::string title, std::string paper,
+                         std::optional<SentLight> bounce) {
   std::vector<Parameter> parameters = {
       integer_parameter("rays_per_pixel", 1024, 1, 1 << 24, "",
                         "rounded up to a whole number of rays for each of 16 batches"),
@@ -64,13 +69,37 @@ MethodInfo rtdo() {
                      "scene units", "farthest blocker that counts; inf is accepted"),
   };
   std::ranges::move(weight_parameters(), std::back_inserter(parameters));
-  return {.name = "rtdo",
-          .title = "RTDO",
-          .paper = "ray-traced directional occlusion, the truth of Herholz et al. 2012",
+  std::vector<std::string> layers = {"radiance_variance", "ambient_occlusion"};
+  if (bounce) layers.emplace_back("radiance_indirect");
+  return {.name = name,
+          .title = std::move(title),
+          .paper = std::move(paper),
           .parameters = std::move(parameters),
-          .layers = {"radiance_variance", "ambient_occlusion"},
+          .layers = std::move(layers),
           .shaders = {},
-          .make = [] { return std::make_unique<RayTracedOcclusion>(); }};
+          .make = [bounce] { return std::make_unique<RayTracedOcclusion>(bounce); },
+          .truth = name};
+}
+
+}  // namespace
+
+MethodInfo rtdo() {
+  return traced_method("rtdo", "RTDO",
+                       "ray-traced directional occlusion, the truth of Herholz et al. 2012", {});
+}
+
+MethodInfo rtgi_unoccluded() {
+  return traced_method("rtgi_unoccluded", "RTGI, unoccluded senders",
+                       "RTDO and one bounce, of light that nothing blocks on its way to the "
+                       "sender: the truth of S3HOGI [Herholz et al. 2012, section 2.3]",
+                       SentLight::unoccluded);
+}
+
+MethodInfo rtgi_shaded() {
+  return traced_method("rtgi_shaded", "RTGI, shaded senders",
+                       "RTDO and one bounce of what RTDO shows of the sender: the truth of SSDO's "
+                       "indirect light [Ritschel et al. 2009, section 3]",
+                       SentLight::shaded);
 }
 
 }  // namespace occlab

@@ -1,6 +1,7 @@
+#include "renderers/methods/s3ho.h"
+
 #include "renderers/methods/representation_layers.h"
 #include "renderers/methods/sample_shader.h"
-#include "renderers/methods/screen_space.h"
 #include "renderers/shared/representation_sh4.h"
 #include "renderers/shared/sh_rotation.h"
 
@@ -46,11 +47,6 @@ bool projects_bits(const ParameterSet& parameters) {
   return parameters.choice("projection") == "auto" && parameters.choice("weight") == "binary";
 }
 
-std::string projection_preamble(const ParameterSet& parameters) {
-  if (!projects_bits(parameters)) return {};
-  return "#define PROJECTS_BITS\n" + sh_projection(int(parameters.integer("samples")));
-}
-
 Parameter projection_parameter() {
   Parameter projection = choice_parameter(
       "projection", {"auto", "direct"},
@@ -63,25 +59,37 @@ Parameter projection_parameter() {
 
 }  // namespace
 
-MethodInfo s3ho() {
+const Representation& s3ho_representation() { return visibility_sh; }
+
+std::vector<Parameter> s3ho_parameters() {
   std::vector<Parameter> parameters = screen_space_parameters();
   parameters.push_back(projection_parameter());
+  return parameters;
+}
+
+std::string s3ho_preamble(const ParameterSet& parameters) {
+  if (!projects_bits(parameters)) return {};
+  return "#define PROJECTS_BITS\n" + sh_projection(int(parameters.integer("samples")));
+}
+
+void add_s3ho_facts(const ParameterSet& parameters, Metadata& facts) {
+  facts["projection"] = projects_bits(parameters) ? "visibility bits" : "direct";
+}
+
+MethodInfo s3ho() {
   const ScreenSpacePasses passes{
       .occlusion_shader = "renderers/methods/s3ho.frag",
       .lighting_shader = "renderers/methods/s3ho_lighting.frag",
       .representation_formats = {GL_RGBA32UI, GL_RGBA32UI},
-      .occlusion_preamble = projection_preamble,
-      .add_facts =
-          [](const ParameterSet& chosen, Metadata& facts) {
-            facts["projection"] = projects_bits(chosen) ? "visibility bits" : "direct";
-          },
-      .representation = &visibility_sh,
+      .occlusion_preamble = s3ho_preamble,
+      .add_facts = add_s3ho_facts,
+      .representation = &s3ho_representation(),
       .off_screen_shader = {},
   };
   return screen_space_method({.name = "s3ho",
                               .title = "S3HO",
                               .paper = "Herholz, Schairer, Schilling, Strasser 2012",
-                              .parameters = std::move(parameters),
+                              .parameters = s3ho_parameters(),
                               .layers = {"ambient_occlusion", "sh_visibility"}},
                              passes);
 }

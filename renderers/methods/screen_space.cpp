@@ -5,6 +5,7 @@
 #include <array>
 
 #include "renderers/gl/context.h"
+#include "renderers/methods/cpu_bounce.h"
 #include "renderers/methods/cpu_passes.h"
 #include "renderers/methods/frame.h"
 #include "renderers/methods/representation_layers.h"
@@ -69,10 +70,11 @@ void use_program(const Frame& frame, const ParameterSet& parameters, const std::
   Program::bind_uniform_buffer(binding_sh, frame.lighting.sh_buffer());
 }
 
-void bind_inputs(const Framebuffer& framebuffer) {
-  for (std::size_t i = 0; i < framebuffer.colors().size(); ++i) {
-    Program::bind_texture(unit_input + GLuint(i), framebuffer.colors()[i]);
-  }
+/// Returns the unit after the last one.
+GLuint bind_inputs(const Framebuffer& framebuffer) {
+  GLuint unit = unit_input;
+  for (const Texture& texture : framebuffer.colors()) Program::bind_texture(unit++, texture);
+  return unit;
 }
 
 Image read_radiance(const Framebuffer& target) {
@@ -83,7 +85,10 @@ Image read_radiance(const Framebuffer& target) {
 
 MethodInfo screen_space_method(MethodInfo info, ScreenSpacePasses passes) {
   info.shaders = {passes.occlusion_shader, passes.lighting_shader, filter_shader};
-  if (!passes.off_screen_shader.empty()) info.shaders.push_back(passes.off_screen_shader);
+  for (const std::string& shader :
+       {passes.off_screen_shader, passes.direct_lighting_shader, passes.bounce_shader}) {
+    if (!shader.empty()) info.shaders.push_back(shader);
+  }
   info.representation = passes.representation;
   info.make = [passes = std::move(passes)] { return std::make_unique<ScreenSpaceMethod>(passes); };
   return info;
@@ -96,6 +101,9 @@ void ScreenSpaceMethod::prepare(const Frame& frame) {
     return;
   }
   representation_.emplace(view.width, view.height, passes_.representation_formats, false);
+  if (!passes_.bounce_shader.empty()) {
+    bounced_.emplace(view.width, view.height, passes_.representation_formats, false);
+  }
   filtered_.emplace(view.width, view.height, passes_.representation_formats, false);
   const std::array<GLenum, 1> radiance_format = {GL_RGBA32F};
   radiance_.emplace(view.width, view.height, radiance_format, false);
@@ -110,6 +118,9 @@ void ScreenSpaceMethod::run_samples(const Frame& frame, const ParameterSet& para
   block.insert(block.end(), samples.directions.begin(), samples.directions.end());
   const Buffer sample_buffer(block.data(), block.size() * sizeof(glm::vec4));
   use_program(frame, parameters, shader, passes_, preamble);
+  if (shader == passes_.bounce_shader) {
+    Program::bind_texture(bind_inputs(*representation_), radiance_->colors().front());
+  }
   Program::bind_uniform_buffer(binding_samples, sample_buffer);
   target.bind();
   frame.clock(pass, draw_fullscreen);
@@ -127,30 +138,63 @@ void ScreenSpaceMethod::run_occlusion(const Frame& frame, const ParameterSet& pa
   frame.clock("occlusion", [&] {
     const Representation& representation = *passes_.representation;
     representation.upload(occlusion_on_cpu(frame, parameters, representation), *representation_);
+    if (const Bounce* bounce = representation.bounce) {
+      bounce->upload(bounce_on_cpu(frame, parameters, *bounce, {}), *representation_);
+    }
   });
 }
 
-void ScreenSpaceMethod::run_filter(const Frame& frame, const ParameterSet& parameters) {
+void ScreenSpaceMethod::run_bounce(const Frame& frame, const ParameterSet& parameters) {
+  run_lighting(frame, parameters, passes_.direct_lighting_shader, *representation_, "senders");
+  run_samples(frame, parameters, passes_.bounce_shader, {}, *bounced_, "bounce");
+}
+
+void ScreenSpaceMethod::run_filter(const Frame& frame, const ParameterSet& parameters,
+                                   const Framebuffer& representation) {
   use_program(frame, parameters, filter_shader, passes_);
-  bind_inputs(*representation_);
+  bind_inputs(representation);
   filtered_->bind();
   frame.clock("filter", draw_fullscreen);
 }
 
 void ScreenSpaceMethod::run_lighting(const Frame& frame, const ParameterSet& parameters,
-                                     const Framebuffer& representation) {
-  use_program(frame, parameters, passes_.lighting_shader, passes_);
+                                     const std::string& shader, const Framebuffer& representation,
+                                     std::string_view pass) {
+  use_program(frame, parameters, shader, passes_);
   bind_inputs(representation);
   radiance_->bind();
-  frame.clock("lighting", draw_fullscreen);
+  frame.clock(pass, draw_fullscreen);
 }
 
 void ScreenSpaceMethod::render(const Frame& frame, const ParameterSet& parameters) {
   prepare(frame);
   run_occlusion(frame, parameters);
-  if (filters(parameters)) run_filter(frame, parameters);
-  run_lighting(frame, parameters, filters(parameters) ? *filtered_ : *representation_);
+  if (bounced_) run_bounce(frame, parameters);
+  if (filters(parameters)) run_filter(frame, parameters, collected());
+  run_lighting(frame, parameters, passes_.lighting_shader,
+               filters(parameters) ? *filtered_ : collected());
   check_gl("a screen-space method");
+}
+
+Image ScreenSpaceMethod::lit(const Frame& frame, const ParameterSet& parameters,
+                             const std::string& shader, const Framebuffer& representation) {
+  run_lighting(frame, parameters, shader, representation);
+  return read_radiance(*radiance_);
+}
+
+/// What the bounce adds: the radiance less that of the direct light alone.
+void ScreenSpaceMethod::add_indirect(const Frame& frame, const ParameterSet& parameters,
+                                     const Image& radiance, const Image& unfiltered,
+                                     Layers& layers) {
+  const std::string& shader = passes_.direct_lighting_shader;
+  const Image direct = lit(frame, parameters, shader, *representation_);
+  if (!filters(parameters)) {
+    layers.add("radiance_indirect", difference(radiance, direct));
+    return;
+  }
+  if (bounced_) run_filter(frame, parameters, *representation_);
+  layers.add("radiance_indirect", difference(radiance, lit(frame, parameters, shader, *filtered_)));
+  layers.add("radiance_indirect_unfiltered", difference(unfiltered, direct));
 }
 
 Layers ScreenSpaceMethod::evaluate(const Frame& frame, const ParameterSet& parameters,
@@ -158,20 +202,23 @@ Layers ScreenSpaceMethod::evaluate(const Frame& frame, const ParameterSet& param
   render(frame, parameters);
   Layers layers;
   std::size_t negative_pixels = 0;
-  layers.add("radiance", clamp_negative(read_radiance(*radiance_), negative_pixels));
+  const Image radiance = read_radiance(*radiance_);
+  layers.add("radiance", clamp_negative(radiance, negative_pixels));
   facts["negative_pixels"] = std::to_string(negative_pixels);
   if (passes_.add_facts && !traces(parameters)) passes_.add_facts(parameters, facts);
   const Representation& representation = *passes_.representation;
-  representation.add_layers(
-      representation.download(filters(parameters) ? *filtered_ : *representation_,
-                              representation.channels),
-      layers);
+  representation.add_layers(representation.download(filters(parameters) ? *filtered_ : collected(),
+                                                    representation.channels),
+                            layers);
+  Image unfiltered;
   if (filters(parameters)) {
     std::size_t negative_unfiltered = 0;
-    run_lighting(frame, parameters, *representation_);
-    layers.add("radiance_unfiltered",
-               clamp_negative(read_radiance(*radiance_), negative_unfiltered));
+    unfiltered = lit(frame, parameters, passes_.lighting_shader, collected());
+    layers.add("radiance_unfiltered", clamp_negative(unfiltered, negative_unfiltered));
     facts["negative_pixels_unfiltered"] = std::to_string(negative_unfiltered);
+  }
+  if (!passes_.direct_lighting_shader.empty()) {
+    add_indirect(frame, parameters, radiance, unfiltered, layers);
   }
   if (!passes_.off_screen_shader.empty() && !traces(parameters)) {
     const std::array<GLenum, 1> format = {GL_R32F};

@@ -26,10 +26,18 @@ struct ScreenSpacePasses {
   /// A pass of the same samples that fills one float, drawn for evaluate() only and never timed:
   /// it becomes the layer `off_screen`. Empty: none.
   std::string off_screen_shader;
+  /// With a bounce: lights the first of the occlusion pass's targets as if there were none. Drawn
+  /// for evaluate() only, which takes the layers `radiance_indirect` and
+  /// `radiance_indirect_unfiltered` from it. Empty: direct light alone.
+  std::string direct_lighting_shader = {};
+  /// A bounce that cannot be collected along with occlusion, as it needs the result: a pass that
+  /// reads the occlusion pass's targets and, behind them, the framebuffer lit by these, and writes
+  /// such targets with the bounce. Empty: none.
+  std::string bounce_shader = {};
 };
 
-/// Occlusion pass (or rays on the CPU), then the bilateral filter of the representation, then
-/// deferred lighting.
+/// Occlusion pass (or rays on the CPU), then the pass of a bounce, if there is one, then the
+/// bilateral filter of the representation, then deferred lighting.
 class ScreenSpaceMethod final : public OcclusionMethod {
  public:
   explicit ScreenSpaceMethod(ScreenSpacePasses passes) : passes_(std::move(passes)) {}
@@ -42,12 +50,21 @@ class ScreenSpaceMethod final : public OcclusionMethod {
   void run_samples(const Frame& frame, const ParameterSet& parameters, const std::string& shader,
                    const std::string& preamble, const Framebuffer& target, std::string_view pass);
   void run_occlusion(const Frame& frame, const ParameterSet& parameters);
-  void run_filter(const Frame& frame, const ParameterSet& parameters);
-  void run_lighting(const Frame& frame, const ParameterSet& parameters,
-                    const Framebuffer& representation);
+  void run_bounce(const Frame& frame, const ParameterSet& parameters);
+  void run_filter(const Frame& frame, const ParameterSet& parameters,
+                  const Framebuffer& representation);
+  void run_lighting(const Frame& frame, const ParameterSet& parameters, const std::string& shader,
+                    const Framebuffer& representation, std::string_view pass = "lighting");
+  Image lit(const Frame& frame, const ParameterSet& parameters, const std::string& shader,
+            const Framebuffer& representation);
+  void add_indirect(const Frame& frame, const ParameterSet& parameters, const Image& radiance,
+                    const Image& unfiltered, Layers& layers);
+  /// What is filtered.
+  const Framebuffer& collected() const { return bounced_ ? *bounced_ : *representation_; }
 
   ScreenSpacePasses passes_;
   std::optional<Framebuffer> representation_;
+  std::optional<Framebuffer> bounced_;  ///< only where a bounce has a pass of its own
   std::optional<Framebuffer> filtered_;
   std::optional<Framebuffer> radiance_;
 };

@@ -1,3 +1,5 @@
+#include "renderers/methods/ssdo.h"
+
 #include "renderers/methods/representation_layers.h"
 #include "renderers/methods/screen_space.h"
 #include "renderers/shared/representation_radiance.h"
@@ -31,12 +33,14 @@ constexpr Representation incoming_light = {
 
 }  // namespace
 
+const Representation& ssdo_representation() { return incoming_light; }
+
 MethodInfo ssdo() {
   const ScreenSpacePasses passes{
       .occlusion_shader = "renderers/methods/ssdo.frag",
       .lighting_shader = "renderers/methods/ssdo_lighting.frag",
       .representation_formats = {GL_RGBA32F},
-      .representation = &incoming_light,
+      .representation = &ssdo_representation(),
       .off_screen_shader = {},
   };
   return screen_space_method({.name = "ssdo",

@@ -34,4 +34,22 @@ class PointSequence {
   std::uint32_t v_;
 };
 
+/// Independent points: a second R2 sequence beside a first one would go along with it, whatever
+/// their shifts.
+class RandomPoints {
+ public:
+  RandomPoints(std::uint64_t seed, std::uint32_t tile, std::uint32_t batch, std::uint32_t purpose)
+      : state_(hash(std::uint32_t(seed)) ^ std::uint32_t(seed >> 32)) {
+    for (const std::uint32_t part : {tile, batch, purpose}) state_ = hash(state_ ^ hash(part));
+  }
+  std::pair<float, float> next() {
+    const float u = float(hash(state_++) >> 8) * 0x1p-24f;
+    const float v = float(hash(state_++) >> 8) * 0x1p-24f;
+    return {u, v};
+  }
+
+ private:
+  std::uint32_t state_;
+};
+
 }  // namespace occlab

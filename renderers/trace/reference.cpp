@@ -7,6 +7,7 @@
 
 #include "renderers/scene/interrupt.h"
 #include "renderers/scene/parallel.h"
+#include "renderers/trace/bounce_tracer.h"
 #include "renderers/trace/point_sequence.h"
 #include "renderers/trace/tile_tracer.h"
 
@@ -33,6 +34,8 @@ struct BatchStatistics {
   std::array<glm::dvec3, lane_count> mean{};
   std::array<glm::dvec3, lane_count> squares{};
   std::array<double, lane_count> visibility{};
+
+  std::array<glm::dvec3, lane_count> indirect{};  ///< the bounce's part of the sum
 
   void add(std::size_t lane, long count, glm::dvec3 value) {
     const glm::dvec3 delta = value - mean[lane];
@@ -64,21 +67,26 @@ Reference trace_reference(const TracedScene& traced, const Environment& environm
   result.radiance = Image(view.width, view.height, 3);
   result.radiance_variance = Image(view.width, view.height, 3);
   if (use_cosine) result.ambient_occlusion = Image(view.width, view.height, 1);
+  if (settings.bounce) result.radiance_indirect = Image(view.width, view.height, 3);
   result.rays_per_pixel = per_batch * strategies * reference_batches;
 
   const int tiles_x = (view.width + tile_size - 1) / tile_size;
   const int tiles_y = (view.height + tile_size - 1) / tile_size;
   std::atomic<std::uint64_t> pixels_traced{0};
+  std::atomic<std::uint64_t> bounce_rays{0};
 
   parallel_for(std::size_t(tiles_y), [&](std::size_t tile_row) {
     throw_if_interrupted();
     TileTracer tracer(traced, settings, table, sampler, other_share);
+    std::optional<BounceTracer> bounce;
+    if (settings.bounce) bounce.emplace(traced, settings, table, sampler, lights);
     for (int tile_column = 0; tile_column < tiles_x; ++tile_column) {
       const int x0 = tile_column * tile_size;
       const int y0 = int(tile_row) * tile_size;
       const Tile tile = load_tile(points, view, x0, y0, traced.ray_lift_world());
       if (!tile.any) continue;
       tracer.set_tile(tile, kinds, per_batch * reference_batches);
+      if (bounce) bounce->set_tile(tile, per_batch * reference_batches);
       const auto tile_id = std::uint32_t(int(tile_row) * tiles_x + tile_column);
 
       BatchStatistics statistics;
@@ -100,8 +108,23 @@ Reference trace_reference(const TracedScene& traced, const Environment& environm
           }
           sums.add(rays);
         }
+        BatchSums bounced;
+        if (bounce) {
+          PointSequence bounce_points(settings.seed, tile_id, std::uint32_t(batch), 2);
+          RandomPoints sender_points(settings.seed, tile_id, std::uint32_t(batch), 3);
+          for (long first = 0; first < per_batch; first += rays_per_sum) {
+            RaySums rays;
+            for (long i = first; i < std::min(first + rays_per_sum, per_batch); ++i) {
+              const auto [u, v] = bounce_points.next();
+              bounce->add(u, v, sender_points, rays);
+            }
+            bounced.add(rays);
+          }
+        }
         for (std::size_t lane = 0; lane < lane_count; ++lane) {
-          statistics.add(lane, batch + 1, sums.light[lane] / double(per_batch));
+          const glm::dvec3 indirect = bounced.light[lane] / double(per_batch);
+          statistics.add(lane, batch + 1, sums.light[lane] / double(per_batch) + indirect);
+          statistics.indirect[lane] += indirect / double(reference_batches);
           statistics.visibility[lane] += sums.visibility[lane] / double(per_batch);
         }
       }
@@ -121,6 +144,9 @@ Reference trace_reference(const TracedScene& traced, const Environment& environm
         for (int c = 0; c < 3; ++c) {
           result.radiance.at(x, y, c) = float(radiance[c]);
           result.radiance_variance.at(x, y, c) = float(variance[c]);
+          if (bounce) {
+            result.radiance_indirect.at(x, y, c) = float(brdf[c] * statistics.indirect[lane][c]);
+          }
         }
         if (use_cosine) {
           result.ambient_occlusion.at(x, y) =
@@ -129,8 +155,10 @@ Reference trace_reference(const TracedScene& traced, const Environment& environm
         ++pixels_traced;
       }
     }
+    if (bounce) bounce_rays += bounce->rays();
   });
-  result.rays = pixels_traced * std::uint64_t(result.rays_per_pixel + long(lights.size()));
+  result.rays =
+      bounce_rays + pixels_traced * std::uint64_t(result.rays_per_pixel + long(lights.size()));
   return result;
 }
 
