@@ -103,7 +103,8 @@ def configure(width, height):
     cycles.light_sampling_threshold = 0.0
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
     cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = 0
-    cycles.transmission_bounces = cycles.volume_bounces = cycles.transparent_max_bounces = 0
+    cycles.transmission_bounces = cycles.volume_bounces = 0
+    cycles.transparent_max_bounces = 64  # holes of alpha masks, one behind the other
     cycles.pixel_filter_type = "BLACKMAN_HARRIS"
     cycles.filter_width = 0.01  # pixel centres, as the G-buffer
     cycles.film_exposure = 1.0
@@ -164,11 +165,19 @@ def make_diffuse(material):
     _, output = source(colour)
     if output is not None:
         links.new(output, diffuse.inputs["Color"])
+    _, alpha = source(shader.inputs["Alpha"])  # 0 or 1: the importer has applied the cutoff
+    if material.blend_method == "CLIP" and alpha is not None:
+        mix, hole = nodes.new("ShaderNodeMixShader"), nodes.new("ShaderNodeBsdfTransparent")
+        links.new(alpha, mix.inputs["Fac"])
+        links.new(hole.outputs[0], mix.inputs[1])
+        links.new(diffuse.outputs[0], mix.inputs[2])
+        diffuse = mix
     links.new(diffuse.outputs[0], surface)
 
 
 def make_occlusion(material, distance):
-    """A surface that shines with its ambient occlusion and lights nothing."""
+    """A surface that shines with its ambient occlusion and lights nothing. To Cycles' node holes of
+    an alpha mask are blockers."""
     nodes, links = material.node_tree.nodes, material.node_tree.links
     occlusion, emission = nodes.new("ShaderNodeAmbientOcclusion"), nodes.new("ShaderNodeEmission")
     occlusion.samples = 1  # for each of the pixel's samples

@@ -47,6 +47,8 @@ void check(const Mesh& mesh, const Scene& scene) {
   require(std::ranges::all_of(mesh.uvs, all_finite));
   require(mesh.normals.size() == mesh.positions.size());
   require(mesh.uvs.empty() || mesh.uvs.size() == mesh.positions.size());
+  const Material& material = scene.materials.at(std::size_t(mesh.material));
+  require(!material.albedo_texture || !mesh.uvs.empty());
   require(mesh.indices.size() % 3 == 0);
   require(std::ranges::all_of(mesh.indices, [&](auto i) { return i < mesh.positions.size(); }));
   require(mesh.material >= 0 && std::size_t(mesh.material) < scene.materials.size());
@@ -64,9 +66,11 @@ void check(const Scene& scene) {
     require(finite(material.albedo));
     require(!material.albedo_texture ||
             std::size_t(*material.albedo_texture) < scene.textures.size());
+    require(material.alpha >= 0.0f && material.alpha <= 1.0f);
+    require(!material.alpha_cutoff || *material.alpha_cutoff >= 0.0f);
   }
   for (const Image& texture : scene.textures) {
-    require(!texture.empty());
+    require(!texture.empty() && (texture.channels() == 3 || texture.channels() == 4));
     require(std::ranges::all_of(texture.values(), [](float v) { return std::isfinite(v); }));
   }
   for (const Light& light : scene.lights) {
