@@ -105,7 +105,8 @@ void append_ascii(std::string& text, const std::string& ascii) {
 }  // namespace
 
 std::uint16_t half_bits(float value) {
-  return std::uint16_t(_cvtss_sh(value, _MM_FROUND_TO_NEAREST_INT));
+  return std::uint16_t(
+      _mm_extract_epi16(_mm_cvtps_ph(_mm_set_ss(value), _MM_FROUND_TO_NEAREST_INT), 0));
 }
 
 Image decimate(const Image& image, int step) {

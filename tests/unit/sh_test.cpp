@@ -158,7 +158,7 @@ TEST(Sh, PackingErrorIsHalfAnUlpOfAHalf) {
         part[c] = std::exp2(exponent(generator)) * (sign(generator) ? 1.0f : -1.0f);
       }
     }
-    const Sh4 a(parts[0], parts[1], parts[2], parts[3]);
+    const Sh4 a = sh4(parts[0], parts[1], parts[2], parts[3]);
     const Sh4 b = sh_unpack(sh_pack_low(a), sh_pack_high(a));
     for (int i = 0; i < 16; ++i) {
       const double error = std::abs(coefficient(b, i) - coefficient(a, i));
