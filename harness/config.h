@@ -75,7 +75,15 @@ struct BudgetSettings {
   double budget_seconds = 120.0;  ///< for each of them
 };
 
-enum class FigureKind { comparison, closeups, error_map, error_budget, failure_classes };
+enum class FigureKind {
+  comparison,
+  closeups,
+  error_map,
+  error_budget,
+  failure_classes,
+  ambient_occlusion,
+  lobes,
+};
 
 struct Rectangle {
   int x = 0;  ///< pixels, from the left
@@ -93,6 +101,13 @@ struct CloseupRow {
 struct FigureSettings {
   std::string name;  ///< the file's name
   FigureKind kind = FigureKind::comparison;
+/// A point of the surface that a figure says more of.
+struct FigurePoint {
+  std::string label;
+  int x = 0;  ///< pixels, inside the frame
+  int y = 0;
+};
+
   std::string title;
   std::string stage = "filtered";  ///< or "unfiltered"
   std::vector<std::string> methods;
@@ -102,6 +117,9 @@ struct FigureSettings {
 };
 
 struct Experiment {
+  std::string caption;           ///< what to see; stands before what is said of every such figure
+  std::vector<FigurePoint> points;    ///< lobes
+  std::vector<std::string> switched;  ///< lobes: two lights that also change their places, or none
   std::filesystem::path file;
   std::string resolved;  ///< the file as TOML after the overrides, for run.json
   std::string name;

@@ -7,6 +7,7 @@
 
 #include "harness/config_parts.h"
 #include "harness/error_budget.h"
+#include "renderers/methods/representation.h"
 #include "renderers/scene/error.h"
 
 namespace occlab {
@@ -44,6 +45,15 @@ Rectangle read_rectangle(TomlTable& table, const SceneSettings& scene) {
   return {int(r[0]), int(r[1]), int(r[2]), int(r[3])};
 }
 
+bool shows_errors(FigureKind kind) {
+  return kind == FigureKind::error_map || kind == FigureKind::error_budget ||
+         kind == FigureKind::failure_classes;
+}
+
+bool is_of_budget(FigureKind kind) {
+  return kind == FigureKind::error_budget || kind == FigureKind::failure_classes;
+}
+
 /// The parameters that select one cell of each of the figure's methods; they do.
 NamedValues read_selection(TomlTable& table, const FigureSettings& figure,
                            const FigureContext& context) {
@@ -53,12 +63,10 @@ NamedValues read_selection(TomlTable& table, const FigureSettings& figure,
     try {
       const int group = select_group(context.cells, method, select);
       const auto cell = std::ranges::find(context.cells, group, &PlannedCell::group);
-      if (figure.kind != FigureKind::comparison && figure.kind != FigureKind::closeups &&
-          cell->role == Role::reference) {
+      if (shows_errors(figure.kind) && cell->role == Role::reference) {
         table.fail("methods", fmt::format("'{}' is the reference itself", method));
       }
-      if ((figure.kind == FigureKind::error_budget || figure.kind == FigureKind::failure_classes) &&
-          !has_budget(*cell)) {
+      if (is_of_budget(figure.kind) && !has_budget(*cell)) {
         table.fail("methods", fmt::format("'{}' has no budget: it does not march through the depth "
                                           "buffer, or has no form on the CPU",
                                           method));
@@ -68,6 +76,56 @@ NamedValues read_selection(TomlTable& table, const FigureSettings& figure,
     }
   }
   return select;
+}
+
+/// [x, y] inside the frame: integers are a pixel, reals fractions of the frame.
+FigurePoint read_point(TomlTable& table, const SceneSettings& scene) {
+  FigurePoint point;
+  point.label = table.text("label");
+  const TomlTable::Numbers numbers = table.numbers("pixel", 2);
+  const double x = numbers.whole ? numbers.values[0] : numbers.values[0] * scene.width;
+  const double y = numbers.whole ? numbers.values[1] : numbers.values[1] * scene.height;
+  if (!(x >= 0 && x < scene.width && y >= 0 && y < scene.height)) {
+    table.fail("pixel", fmt::format("found a place outside of the frame of {}x{}; accepted are two "
+                                    "integers (a pixel) or two reals in [0, 1) (fractions)",
+                                    scene.width, scene.height));
+  }
+  point.x = int(x);
+  point.y = int(y);
+  table.refuse_others();
+  return point;
+}
+
+/// Refuses methods that the kind cannot show, by what they have rather than by their names.
+void check_method_of_kind(const TomlTable& table, const FigureSettings& figure,
+                          const FigureContext& context) {
+  const auto known = known_methods(table, "methods", figure.methods, context.methods);
+  if (known.size() != 1) table.fail("methods", "accepted is one method");
+  const MethodInfo& method = *known.front();
+  if (figure.kind == FigureKind::ambient_occlusion &&
+      (!method.representation || method.representation->channels != 1)) {
+    table.fail("methods",
+               fmt::format("'{}' is not light times a scalar; accepted is a method whose "
+                           "representation is ambient occlusion",
+                           method.name));
+  }
+  if (figure.kind == FigureKind::lobes &&
+      std::ranges::find(method.layers, "sh_visibility") == method.layers.end()) {
+    table.fail("methods", fmt::format("'{}' has no layer 'sh_visibility'", method.name));
+  }
+}
+
+void read_lobes(TomlTable& table, const FigureContext& context, FigureSettings& figure) {
+  if (figure.stage != "filtered") {
+    table.fail("stage", "the coefficients are stored after the filter; accepted is 'filtered'");
+  }
+  for (TomlTable& point : table.tables("points")) {
+    figure.points.push_back(read_point(point, context.scene));
+  }
+  if (figure.points.size() > 2) table.fail("points", "accepted are one or two points");
+  if (!table.has("switch")) return;
+  figure.switched = table.words("switch");
+  if (figure.switched.size() != 2) table.fail("switch", "accepted are two lights' names");
 }
 
 }  // namespace
@@ -80,12 +138,15 @@ FigureSettings read_figure(TomlTable& table, const FigureContext& context) {
       {"closeups", FigureKind::closeups},
       {"error_map", FigureKind::error_map},
       {"error_budget", FigureKind::error_budget},
-      {"failure_classes", FigureKind::failure_classes}};
+      {"failure_classes", FigureKind::failure_classes},
+      {"ambient_occlusion", FigureKind::ambient_occlusion},
+      {"lobes", FigureKind::lobes}};
   std::vector<std::string> words;
   for (const auto& [word, unused] : kinds) words.push_back(word);
   const std::string kind = table.one_of("kind", words, "");
   figure.kind = std::ranges::find(kinds, kind, &std::pair<std::string, FigureKind>::first)->second;
   figure.title = table.text("title", "");
+  figure.caption = table.text("caption", "");
   figure.stage = table.one_of("stage", {"filtered", "unfiltered"}, "filtered");
   figure.methods = table.words("methods");
   known_methods(table, "methods", figure.methods, context.methods);
@@ -100,18 +161,22 @@ FigureSettings read_figure(TomlTable& table, const FigureContext& context) {
     table.refuse_others();
     return figure;
   }
-  if (figure.kind != FigureKind::comparison) {
+  if (shows_errors(figure.kind)) {
     figure.scale = table.real("scale", 1e-9, 1e9, std::nullopt);
     if (context.cells.front().role != Role::reference) {
       table.fail("kind", "a figure of errors needs a [reference]");
     }
   }
-  const bool of_budget =
-      figure.kind == FigureKind::error_budget || figure.kind == FigureKind::failure_classes;
-  if (of_budget && !context.budget) table.fail("kind", fmt::format("'{}' needs a [budget]", kind));
+  if (is_of_budget(figure.kind) && !context.budget) {
+    table.fail("kind", fmt::format("'{}' needs a [budget]", kind));
+  }
   if (figure.kind == FigureKind::failure_classes && figure.methods.size() != 1) {
     table.fail("methods", "accepted is one method: all that share its march have the same classes");
   }
+  if (figure.kind == FigureKind::ambient_occlusion || figure.kind == FigureKind::lobes) {
+    check_method_of_kind(table, figure, context);
+  }
+  if (figure.kind == FigureKind::lobes) read_lobes(table, context, figure);
   figure.select = read_selection(table, figure, context);
   return figure;
 }

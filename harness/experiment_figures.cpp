@@ -7,6 +7,7 @@
 
 #include "harness/figures/figures.h"
 #include "harness/files.h"
+#include "harness/lobe_figures.h"
 #include "renderers/methods/failure_classes.h"
 #include "renderers/methods/method.h"
 #include "renderers/scene/error.h"
@@ -77,11 +78,18 @@ std::string describe(const NamedValues& select) {
 }
 
 std::string display_caption(const FigureSettings& figure, const FigureSource& source) {
-  return fmt::format(
-      "{} images. All panels share one exposure, {:.4g}, at which the reference's 99th-percentile "
-      "luminance is white.{}",
-      figure.stage == "filtered" ? "Filtered" : "Unfiltered", source.exposure(),
-      figure.select.empty() ? "" : " Screen-space methods: " + describe(figure.select) + ".");
+  return captioned(
+      figure,
+      fmt::format(
+          "{} images. All panels share one exposure, {:.4g}, at which the reference's "
+          "99th-percentile luminance is white.{}",
+          figure.stage == "filtered" ? "Filtered" : "Unfiltered", source.exposure(),
+          figure.select.empty() ? "" : " Screen-space methods: " + describe(figure.select) + "."));
+}
+
+/// What the file says is to be seen, as a paragraph of its own, and the text.
+std::string captioned(const FigureSettings& figure, const std::string& text) {
+  return figure.caption.empty() ? text : figure.caption + "\n" + text;
 }
 
 Image draw_comparison(const FigureSettings& settings, const FigureSource& source) {
@@ -117,10 +125,12 @@ Image draw_errors(const FigureSettings& settings, const FigureSource& source) {
   figure.kind = ErrorMap::signed_luminance;
   figure.scale = settings.scale;
   figure.mask = source.mask();
-  figure.caption = fmt::format(
-      "{} images minus the reference, in units of the reference's mean luminance; one fixed scale. "
-      "{}",
-      settings.stage == "filtered" ? "Filtered" : "Unfiltered", describe(settings.select));
+  figure.caption = captioned(
+      settings,
+      fmt::format("{} images minus the reference, in units of the reference's mean luminance; one "
+                  "fixed scale. {}",
+                  settings.stage == "filtered" ? "Filtered" : "Unfiltered",
+                  describe(settings.select)));
   for (const std::string& method : settings.methods) {
     const Image radiance = source.radiance(method, settings.select, settings.stage);
     figure.panels.push_back(
@@ -190,12 +200,13 @@ Image draw_budget(const FigureSettings& settings, const FigureSource& source,
     }
   }
   figure.columns = int(figure.panels.size() / settings.methods.size());
-  figure.caption = fmt::format(
-      "A row's maps add up to the method's image minus the reference. Representation: traced "
-      "visibility, converged, minus the reference; visibility: the depth buffer's, converged, "
-      "minus the traced; sampling: one seed's samples minus converged; filter: after minus before. "
-      "{}.",
-      describe(settings.select));
+  figure.caption = captioned(
+      settings,
+      fmt::format("A row's maps add up to the method's image minus the reference. Representation: "
+                  "traced visibility, converged, minus the reference; visibility: the depth "
+                  "buffer's, converged, minus the traced; sampling: one seed's samples minus "
+                  "converged; filter: after minus before. {}.",
+                  describe(settings.select)));
   write_exr(maps_file, maps, {});
   return draw_decimated(std::move(figure));
 }
@@ -210,16 +221,96 @@ Image draw_failures(const FigureSettings& settings, const FigureSource& source) 
   figure.quantity =
       "ambient occlusion by the depth buffer minus traced; blue: light is lost, red: "
       "light leaks in";
-  figure.caption =
+  figure.caption = captioned(
+      settings,
       "off_screen: the blocker is off the screen or behind the camera; hidden_blocker: it is "
       "behind "
       "the first surface of its pixel; thin: it is in full view, and the steps missed it; edge: a "
       "pixel's centre and the ray see different sides of a silhouette; behind_surface: a free ray "
-      "passes behind the first surface; beyond_radius: what the ray meets is farther than d_max.";
+      "passes behind the first surface; beyond_radius: what the ray meets is farther than d_max.");
   return draw_decimated(std::move(figure));
 }
 
-Image draw(const FigureSettings& settings, const FigureSource& source,
+void write_numbers(const std::filesystem::path& path, const FigureSettings& settings,
+                   const MeasuredCell& cell, nlohmann::json numbers) {
+  numbers["figure"] = settings.name;
+  numbers["method"] = cell.planned.method;
+  numbers["cell"] = cell.id;
+  write_text_atomically(path, numbers.dump(2) + "\n");
+}
+
+/// One channel as grey, three channels.
+Image grey(const Image& channel) {
+  Image rgb(channel.width(), channel.height(), 3);
+  for (std::size_t p = 0; p < channel.pixel_count(); ++p) {
+    for (std::size_t c = 0; c < 3; ++c) rgb.values()[3 * p + c] = channel.values()[p];
+  }
+  return rgb;
+}
+
+/// The light without occlusion, L / k_A; NaN where nothing gets in.
+Image without_occlusion(const Image& radiance, const Image& occlusion) {
+  Image open = radiance;
+  for (std::size_t p = 0; p < occlusion.pixel_count(); ++p) {
+    for (std::size_t c = 0; c < 3; ++c) open.values()[3 * p + c] /= occlusion.values()[p];
+  }
+  return open;
+}
+
+/// The mean over the surface, and which share of it is darker.
+nlohmann::json occlusion_numbers(const Image& occlusion, const Image& mask) {
+  double sum = 0.0;
+  double pixels = 0.0;
+  double below_half = 0.0;
+  double below_nine_tenths = 0.0;
+  for (std::size_t p = 0; p < occlusion.pixel_count(); ++p) {
+    if (mask.values()[p] <= 0.5f) continue;
+    pixels += 1.0;
+    sum += double(occlusion.values()[p]);
+    below_half += occlusion.values()[p] < 0.5f ? 1.0 : 0.0;
+    below_nine_tenths += occlusion.values()[p] < 0.9f ? 1.0 : 0.0;
+  }
+  return {{"mean_ambient_occlusion", sum / pixels},
+          {"share_below_0.5", below_half / pixels},
+          {"share_below_0.9", below_nine_tenths / pixels}};
+}
+
+/// Light, occlusion and their product (Fig. 1 of the S3HO paper).
+Image draw_ambient_occlusion(const FigureSettings& settings, const FigureSource& source,
+                             const std::filesystem::path& numbers_file) {
+  const std::string& method = settings.methods.front();
+  const MeasuredCell& cell = source.cell(method, settings.select);
+  const Layers layers = source.layers(cell);
+  const Image& occlusion = layers.at("ambient_occlusion");
+  const Image& radiance = layers.at("radiance");
+  ComparisonFigure figure{settings.title, {}, display_caption(settings, source), 3};
+  const auto add = [&](const char* label, const Image& image, double exposure) {
+    figure.panels.push_back(
+        {label, source.colour(method), tone_map(image, exposure, source.mask())});
+  };
+  add("diffuse light", without_occlusion(radiance, occlusion), source.exposure());
+  add("ambient occlusion", grey(occlusion), 1.0);
+  add("combined", radiance, source.exposure());
+  write_numbers(numbers_file, settings, cell, occlusion_numbers(occlusion, source.mask()));
+  return comparison_figure(figure);
+}
+
+Image draw_lobes_of(const Experiment& experiment, const FigureSettings& settings,
+                    const FigureSource& source, const std::filesystem::path& numbers_file) {
+  const std::string& method = settings.methods.front();
+  const MeasuredCell& cell = source.cell(method, settings.select);
+  const Layers layers = source.layers(cell);
+  DrawnLobes drawn = draw_lobes(settings, {.experiment = experiment,
+                                           .cell = cell.planned,
+                                           .layers = layers,
+                                           .mask = source.mask(),
+                                           .exposure = source.exposure(),
+                                           .colour = source.colour(method)});
+  write_numbers(numbers_file, settings, cell, std::move(drawn.numbers));
+  return std::move(drawn.image);
+}
+
+Image draw(const Experiment& experiment, const FigureSettings& settings, const FigureSource& source,
            const std::filesystem::path& folder) {
   switch (settings.kind) {
     case FigureKind::comparison:
@@ -230,6 +321,7 @@ Image draw(const FigureSettings& settings, const FigureSource& source,
       return draw_errors(settings, source);
     case FigureKind::error_budget:
       return draw_budget(settings, source, folder / (settings.name + ".exr"));
+  const std::filesystem::path numbers_file = folder / (settings.name + ".json");
     case FigureKind::failure_classes:
       return draw_failures(settings, source);
   }
@@ -241,6 +333,10 @@ Image draw(const FigureSettings& settings, const FigureSource& source,
 void write_figures(const Experiment& experiment, const std::vector<MeasuredCell>& cells,
                    const ReadLayers& read, const ReadBudget& read_budget,
                    const std::filesystem::path& folder) {
+    case FigureKind::ambient_occlusion:
+      return draw_ambient_occlusion(settings, source, numbers_file);
+    case FigureKind::lobes:
+      return draw_lobes_of(experiment, settings, source, numbers_file);
   if (experiment.figures.empty()) return;
   if (cells.empty() || cells.front().planned.role != Role::reference) {
     throw InputError(
@@ -249,7 +345,7 @@ void write_figures(const Experiment& experiment, const std::vector<MeasuredCell>
   create_folder(folder);
   const FigureSource source(experiment, cells, read, read_budget);
   for (const FigureSettings& settings : experiment.figures) {
-    write_png(folder / (settings.name + ".png"), draw(settings, source, folder));
+    write_png(folder / (settings.name + ".png"), draw(experiment, settings, source, folder));
   }
 }
 

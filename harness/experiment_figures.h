@@ -14,9 +14,9 @@ namespace occlab {
 using ReadBudget = std::function<const StoredBudget&(const PlannedCell&)>;
 
 /// Draws the experiment's figures from its cells (of several seeds, the first) and writes
-/// FOLDER/NAME.png; of an error budget also the
-/// maps, FOLDER/NAME.exr with the layers METHOD_PART, in mean luminances. Without a reference cell
-/// there is no exposure to share: InputError.
+/// FOLDER/NAME.png; of an error budget also the maps, FOLDER/NAME.exr with the layers METHOD_PART,
+/// in mean luminances; of ambient occlusion and of lobes the numbers, FOLDER/NAME.json. Without a
+/// reference cell there is no exposure to share: InputError.
 void write_figures(const Experiment& experiment, const std::vector<MeasuredCell>& cells,
                    const ReadLayers& read, const ReadBudget& read_budget,
                    const std::filesystem::path& folder);

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "harness/figures/figure_parts.h"
 
 namespace occlab {
@@ -6,7 +8,7 @@ Image comparison_figure(const ComparisonFigure& figure) {
   require_some(figure.panels.size(), "panels");
   const Image& first = figure.panels.front().image;
   for (const Panel& panel : figure.panels) require_display(panel.image, panel.label, first);
-  const int columns = figure.panels.size() > 1 ? 2 : 1;
+  const int columns = std::min(figure.columns, int(figure.panels.size()));
   const FigureSizes sizes(columns * first.width());
   std::vector<Image> panels;
   for (const Panel& panel : figure.panels) {

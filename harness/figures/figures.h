@@ -30,9 +30,10 @@ struct ComparisonFigure {
   std::string title;          ///< one line or more; may be empty
   std::vector<Panel> panels;  ///< all of one size
   std::string caption;        ///< wrapped to the figure's width; '\n' starts a paragraph
+  int columns = 2;
 };
 
-/// Panels pixel by pixel in two columns (Fig. 7 of the S3HO paper), each in its colour.
+/// Panels pixel by pixel in columns (Fig. 7 of the S3HO paper), each in its colour.
 Image comparison_figure(const ComparisonFigure& figure);
 
 struct CloseupFigureRow {
@@ -67,6 +68,34 @@ Image draw_rectangles(const Image& image, const std::vector<Rectangle>& rectangl
 
 /// The rectangle of an image, every pixel repeated `magnification` times each way.
 Image crop(const Image& image, const Rectangle& rectangle, int magnification = 1);
+
+/// A place of an image that is marked and named.
+struct MarkedPoint {
+  std::string label;
+  int x = 0;  ///< pixels, inside the image
+  int y = 0;
+};
+
+/// The image with a ring around every point and its label beside it.
+Image draw_points(const Image& image, const std::vector<MarkedPoint>& points);
+
+/// A square picture, such as a lobe, with what it is above and what is to be said of it below.
+struct SpherePanel {
+  std::string label;
+  Image image;       ///< display-referred, three channels
+  std::string note;  ///< wrapped to the image's width
+};
+
+struct LobeFigure {
+  std::string title;
+  std::vector<Panel> panels;         ///< one, or two with the spheres between them
+  std::vector<SpherePanel> spheres;  ///< in a row
+  std::string caption;
+};
+
+/// A picture, the spheres that belong to points of it, and under them another picture of the same
+/// points, if there is one (Figs. 3 and 5 of the S3HO paper).
+Image lobe_figure(const LobeFigure& figure);
 
 struct ErrorPanel {
   std::string label;

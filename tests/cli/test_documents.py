@@ -158,8 +158,9 @@ class ExperimentFormat(CliTest):
             self.assertTrue(documented, heading)
             stderr = self.plan(experiment, "--set", f"{table}.zzzzzzzzzzzz=1")
             accepted = re.search(r"accepted: (.*)$", stderr.strip()).group(1).split(", ")
-            # Only one kind of figure has rows, only another a scale.
-            elsewhere = {"figure[1]": {"scale"}, "figure[2]": {"rows"}}.get(table, set())
+            # Only one kind of figure has rows, only others a scale, or points.
+            elsewhere = {"figure[1]": {"scale", "points", "switch"},
+                         "figure[2]": {"rows", "points", "switch"}}.get(table, set())
             with self.subTest(table):
                 self.assertLessEqual(set(documented) - elsewhere, set(accepted))
 
