@@ -34,7 +34,7 @@ for name, (x, y, height), centre, turn, surface in (
     m.add(name, m.box_mesh(name, (-x, -y, -SINK), (x, y, height)), surface,
           location=(*centre, 0.0), rotation_z=turn)
 # The yellow face: a board on the block's right side, open to the sun.
-m.add("yellow board", m.box_mesh("yellow board", (-0.021, -0.40, 0.01), (0.02, 0.40, 0.60)), yellow)
+m.add("yellow board", m.box_mesh("yellow board", (-0.021, -0.40, -SINK), (0.02, 0.40, 0.60)), yellow)
 
 m.sun("sun", (0.80, -0.25, 0.52), (1.0, 0.96, 0.88), 3.0)
 for number, degrees in enumerate((32.0, 6.0, -8.0, -30.0)):
