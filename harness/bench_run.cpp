@@ -216,6 +216,11 @@ void BenchRun::measure(const RowSink& sink) {
   measure_cells(cells, regions(plan_.experiment), identity(), read_and_look_ahead, begin, sink);
   if (chain_) {
     sink(reference_rows(cells.front(), chain_->read(), *plan_.experiment.reference, identity()));
+    ReferenceSettings as_traced = *plan_.experiment.reference;
+    as_traced.max_rays_per_pixel.reset();
+    for (std::size_t i = 1; i <= as_traced.others.size(); ++i) {
+      sink(reference_rows(cells[i], read(cells[i]), as_traced, identity()));
+    }
   }
   for (const KeyedBudget& budget : plan_.budgets) {
     throw_if_interrupted();

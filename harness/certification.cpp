@@ -53,11 +53,15 @@ double mean_variance(const Layers& layers, std::size_t& pixels) {
   return sum / (3.0 * double(pixels));
 }
 
-/// Rows of `rmse` over the whole frame and all seeds.
-std::vector<const Measurement*> errors_to_judge(const std::vector<Measurement>& measurements) {
+/// Rows of `rmse` over the whole frame and all seeds, against that reference.
+std::vector<const Measurement*> errors_to_judge(const std::vector<Measurement>& measurements,
+                                                const std::string& reference_cell) {
   std::vector<const Measurement*> rows;
   for (const Measurement& row : measurements) {
-    if (row.metric == "rmse" && row.seed == "all" && !is_region(row)) rows.push_back(&row);
+    const bool other = !row.reference_cell.empty() && row.reference_cell != reference_cell;
+    if (row.metric == "rmse" && row.seed == "all" && !is_region(row) && !other) {
+      rows.push_back(&row);
+    }
   }
   return rows;
 }
@@ -149,7 +153,8 @@ std::optional<Certification> certify(const std::vector<Measurement>& measurement
   result.tolerance = value_of("reference_tolerance");
   result.rays_per_pixel = long(value_of("reference_rays_per_pixel"));
   result.max_rays_per_pixel = long(value_of("reference_max_rays_per_pixel"));
-  const std::vector<const Measurement*> errors = errors_to_judge(measurements);
+  const std::vector<const Measurement*> errors =
+      errors_to_judge(measurements, interval->reference_cell);
   for (const Measurement* row : errors) {
     if (!row->value) {
       if (result.reason.empty() && within_noise(*row)) {
@@ -171,8 +176,11 @@ std::vector<Measurement> quick_errors(const std::vector<MeasuredCell>& cells,
                                       const ReadLayers& read) {
   std::vector<Measurement> rows;
   std::set<int> seen;
+  std::vector<PlannedCell> planned;
+  for (const MeasuredCell& cell : cells) planned.push_back(cell.planned);
   for (const MeasuredCell& cell : cells) {
     if (cell.planned.role == Role::reference || !seen.insert(cell.planned.group).second) continue;
+    if (reference_place(planned, cell.planned) != 0) continue;
     const Layers layers = read(cell);
     for (const StageImage& stage : stage_images(layers)) {
       const Image* variance = reference.find("radiance_variance");
@@ -228,7 +236,7 @@ long more_rays(const Certification& certification, long step) {
 
 namespace {
 
-/// The rows of each scene, view, resolution and probe, in order of appearance.
+/// The rows of each scene, view, resolution, probe and reference, in order of appearance.
 std::vector<std::vector<Measurement>> by_bench(const std::vector<Measurement>& measurements) {
   std::vector<std::vector<Measurement>> benches;
   for (const Measurement& row : measurements) {
@@ -239,7 +247,9 @@ std::vector<std::vector<Measurement>> by_bench(const std::vector<Measurement>& m
     const auto known = std::ranges::find_if(benches, [&](const std::vector<Measurement>& bench) {
       const Measurement& first = bench.front();
       return first.scene == row.scene && first.view == row.view &&
-             first.resolution == row.resolution && first.probe == row.probe;
+             first.resolution == row.resolution && first.probe == row.probe &&
+             (first.reference_cell.empty() || row.reference_cell.empty() ||
+              first.reference_cell == row.reference_cell);
     });
     if (known == benches.end()) {
       benches.push_back({row});

@@ -17,14 +17,22 @@ using Methods = std::vector<MethodInfo>;
 
 ReferenceSettings read_reference(TomlTable table, const Methods& methods) {
   ReferenceSettings reference;
-  reference.method = table.text("method");
-  const auto known = known_methods(table, "method", {reference.method}, methods);
+  std::vector<std::string> names =
+      table.is_list("method") ? table.words("method") : std::vector{table.text("method")};
+  const auto known = known_methods(table, "method", names, methods);
+  reference.method = names.front();
+  reference.others.assign(names.begin() + 1, names.end());
   reference.tolerance = table.real("tolerance", 1e-4, 10.0, 0.1);
   if (table.has("max_rays_per_pixel")) {
     reference.max_rays_per_pixel = table.integer("max_rays_per_pixel", 1, 1 << 24, std::nullopt);
   }
   reference.parameters = single_values(read_parameters(table, known, {.own_seed = true}));
   return reference;
+}
+
+bool is_reference(const ReferenceSettings& reference, const std::string& method) {
+  return reference.method == method ||
+         std::ranges::find(reference.others, method) != reference.others.end();
 }
 
 BudgetSettings read_budget(TomlTable table) {
@@ -56,6 +64,20 @@ void refuse_equal_cells(const Experiment& experiment, const std::vector<TomlTabl
             "methods", fmt::format("the cell '{}' is also made by {}", text(cell), maker->second));
       }
     }
+  }
+}
+
+/// With several references every method is compared with its own.
+void check_truths(const std::vector<PlannedCell>& cells, const ReferenceSettings& reference,
+                  const TomlTable& table) {
+  if (reference.others.empty()) return;
+  for (const PlannedCell& cell : cells) {
+    if (cell.role == Role::reference || cells[reference_place(cells, cell)].method == cell.truth) {
+      continue;
+    }
+    table.fail("method", fmt::format("of several references every method needs its own; that of "
+                                     "'{}' is '{}'",
+                                     cell.method, cell.truth));
   }
 }
 
@@ -141,7 +163,7 @@ Experiment load_experiment(const std::filesystem::path& path,
     const auto lists = [&](const auto& part) {
       return std::ranges::find(part.methods, method.name) != part.methods.end();
     };
-    if ((experiment.reference && experiment.reference->method == method.name) ||
+    if ((experiment.reference && is_reference(*experiment.reference, method.name)) ||
         std::ranges::any_of(experiment.runs, lists) ||
         (experiment.timing && lists(*experiment.timing))) {
       used.push_back(&method);
@@ -155,8 +177,9 @@ Experiment load_experiment(const std::filesystem::path& path,
   refuse_equal_cells(experiment, run_tables, methods);
   if (experiment.benches.size() > 1) refuse_parts_of_one_bench(experiment, root);
   if (experiment.reference) {
-    check_ray_budget(*experiment.reference, plan(experiment, methods).front().parameters,
-                     root.table("reference"));
+    const std::vector<PlannedCell> cells = plan(experiment, methods);
+    check_truths(cells, *experiment.reference, root.table("reference"));
+    check_ray_budget(*experiment.reference, cells.front().parameters, root.table("reference"));
   }
 
   if (root.has("figure")) {

@@ -28,6 +28,9 @@ struct SceneSettings {
 
 struct ReferenceSettings {
   std::string method;
+  /// Further truths, with the same parameters: every method is compared with its own
+  /// (MethodInfo::truth). Empty: all with `method`.
+  std::vector<std::string> others = {};
   NamedValues parameters;
   double tolerance = 0.1;  ///< of the smallest error (certification.h)
   /// As many rays as it may take to get there; none: `rays_per_pixel`, whatever comes of it.
@@ -98,9 +101,6 @@ struct CloseupRow {
   NamedValues select;
 };
 
-struct FigureSettings {
-  std::string name;  ///< the file's name
-  FigureKind kind = FigureKind::comparison;
 /// A point of the surface that a figure says more of.
 struct FigurePoint {
   std::string label;
@@ -108,18 +108,21 @@ struct FigurePoint {
   int y = 0;
 };
 
+struct FigureSettings {
+  std::string name;  ///< the file's name
+  FigureKind kind = FigureKind::comparison;
   std::string title;
   std::string stage = "filtered";  ///< or "unfiltered"
   std::vector<std::string> methods;
   NamedValues select;            ///< all but closeups: picks one cell of each method
   std::vector<CloseupRow> rows;  ///< closeups
   double scale = 0.0;            ///< of errors: what is shown as the end of the colour scale
-};
-
-struct Experiment {
   std::string caption;           ///< what to see; stands before what is said of every such figure
   std::vector<FigurePoint> points;    ///< lobes
   std::vector<std::string> switched;  ///< lobes: two lights that also change their places, or none
+};
+
+struct Experiment {
   std::filesystem::path file;
   std::string resolved;  ///< the file as TOML after the overrides, for run.json
   std::string name;
@@ -154,9 +157,14 @@ struct PlannedCell {
   std::string method;
   ParameterSet parameters;  ///< refers to the declarations in `methods`
   int group = 0;            ///< the same for cells that differ in their seed only; 0, 1, ...
+  std::string truth = {};   ///< MethodInfo::truth
 };
 
-/// The cells to render, the reference first, then run by run: methods, axes, seeds (fastest).
+/// The place of the reference that a test is compared with: that of its truth, or the first.
+/// `cells`: the whole plan, or anything that begins with its references and has `planned`.
+std::size_t reference_place(const std::vector<PlannedCell>& cells, const PlannedCell& test);
+
+/// The cells to render, the references first, then run by run: methods, axes, seeds (fastest).
 /// `methods` outlives the result.
 std::vector<PlannedCell> plan(const Experiment& experiment, const std::vector<MethodInfo>& methods);
 

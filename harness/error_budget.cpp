@@ -43,7 +43,9 @@ void add_converged(const BudgetCell& cell, const std::string& source,
 }  // namespace
 
 bool has_budget(const PlannedCell& cell) {
-  return cell.role == Role::test && find_method(cell.method).representation &&
+  const Representation* const representation = find_method(cell.method).representation;
+  // What blockers send is not converged here.
+  return cell.role == Role::test && representation && !representation->bounce &&
          !traces(cell.parameters);
 }
 

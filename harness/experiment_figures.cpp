@@ -21,17 +21,25 @@ class FigureSource {
   FigureSource(const Experiment& experiment, const std::vector<MeasuredCell>& cells,
                const ReadLayers& read, const ReadBudget& read_budget)
       : cells_(cells), read_(read), read_budget_(read_budget) {
-    for (const MeasuredCell& cell : cells) planned_.push_back(cell.planned);
-    const Layers reference = read(cells.front());
-    reference_ = reference.at("radiance");
-    mask_ = reference.at("mask");
-    exposure_ = shared_exposure(reference_, mask_);
+    for (const MeasuredCell& cell : cells) {
+      planned_.push_back(cell.planned);
+      if (cell.planned.role != Role::reference) continue;
+      const Layers reference = read(cell);
+      references_.push_back(reference.at("radiance"));
+      mask_ = reference.at("mask");
+    }
+    exposure_ = shared_exposure(references_.front(), mask_);
     std::vector<std::vector<std::string>> names;
     for (const FigureSettings& figure : experiment.figures) names.push_back(figure.methods);
     colours_ = frame_colours(names);
   }
 
-  const Image& reference() const { return reference_; }
+  /// The first, whose exposure all share.
+  const Image& reference() const { return references_.front(); }
+  /// That which the selected cells are compared with.
+  const Image& reference_of(const std::string& method, const NamedValues& select) const {
+    return references_[reference_place(planned_, cell(method, select).planned)];
+  }
   const Image& mask() const { return mask_; }
   double exposure() const { return exposure_; }
   DisplayColour colour(const std::string& method) const { return colours_.at(method); }
@@ -63,7 +71,7 @@ class FigureSource {
   const ReadLayers& read_;
   const ReadBudget& read_budget_;
   std::vector<PlannedCell> planned_;
-  Image reference_;
+  std::vector<Image> references_;
   Image mask_;
   double exposure_ = 1.0;
   std::map<std::string, DisplayColour> colours_;
@@ -77,6 +85,11 @@ std::string describe(const NamedValues& select) {
   return text;
 }
 
+/// What the file says is to be seen, as a paragraph of its own, and the text.
+std::string captioned(const FigureSettings& figure, const std::string& text) {
+  return figure.caption.empty() ? text : figure.caption + "\n" + text;
+}
+
 std::string display_caption(const FigureSettings& figure, const FigureSource& source) {
   return captioned(
       figure,
@@ -85,11 +98,6 @@ std::string display_caption(const FigureSettings& figure, const FigureSource& so
           "99th-percentile luminance is white.{}",
           figure.stage == "filtered" ? "Filtered" : "Unfiltered", source.exposure(),
           figure.select.empty() ? "" : " Screen-space methods: " + describe(figure.select) + "."));
-}
-
-/// What the file says is to be seen, as a paragraph of its own, and the text.
-std::string captioned(const FigureSettings& figure, const std::string& text) {
-  return figure.caption.empty() ? text : figure.caption + "\n" + text;
 }
 
 Image draw_comparison(const FigureSettings& settings, const FigureSource& source) {
@@ -133,10 +141,11 @@ Image draw_errors(const FigureSettings& settings, const FigureSource& source) {
                   describe(settings.select)));
   for (const std::string& method : settings.methods) {
     const Image radiance = source.radiance(method, settings.select, settings.stage);
-    figure.panels.push_back(
-        {find_method(method).title, source.colour(method),
-         error_map({.reference = source.reference(), .test = radiance, .mask = source.mask()},
-                   figure.kind)});
+    figure.panels.push_back({find_method(method).title, source.colour(method),
+                             error_map({.reference = source.reference_of(method, settings.select),
+                                        .test = radiance,
+                                        .mask = source.mask()},
+                                       figure.kind)});
   }
   return error_figure(figure);
 }
@@ -312,6 +321,7 @@ Image draw_lobes_of(const Experiment& experiment, const FigureSettings& settings
 
 Image draw(const Experiment& experiment, const FigureSettings& settings, const FigureSource& source,
            const std::filesystem::path& folder) {
+  const std::filesystem::path numbers_file = folder / (settings.name + ".json");
   switch (settings.kind) {
     case FigureKind::comparison:
       return draw_comparison(settings, source);
@@ -321,9 +331,12 @@ Image draw(const Experiment& experiment, const FigureSettings& settings, const F
       return draw_errors(settings, source);
     case FigureKind::error_budget:
       return draw_budget(settings, source, folder / (settings.name + ".exr"));
-  const std::filesystem::path numbers_file = folder / (settings.name + ".json");
     case FigureKind::failure_classes:
       return draw_failures(settings, source);
+    case FigureKind::ambient_occlusion:
+      return draw_ambient_occlusion(settings, source, numbers_file);
+    case FigureKind::lobes:
+      return draw_lobes_of(experiment, settings, source, numbers_file);
   }
   return {};
 }
@@ -333,10 +346,6 @@ Image draw(const Experiment& experiment, const FigureSettings& settings, const F
 void write_figures(const Experiment& experiment, const std::vector<MeasuredCell>& cells,
                    const ReadLayers& read, const ReadBudget& read_budget,
                    const std::filesystem::path& folder) {
-    case FigureKind::ambient_occlusion:
-      return draw_ambient_occlusion(settings, source, numbers_file);
-    case FigureKind::lobes:
-      return draw_lobes_of(experiment, settings, source, numbers_file);
   if (experiment.figures.empty()) return;
   if (cells.empty() || cells.front().planned.role != Role::reference) {
     throw InputError(

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "harness/cells.h"
-#include "harness/figures/figures.h"
+#include "harness/measure_references.h"
 #include "harness/metrics/metrics.h"
 #include "harness/metrics/noise_bias.h"
 #include "harness/metrics/power_spectrum.h"
@@ -37,46 +37,6 @@ const Image* stage_image(const Layers& layers, const Stage& stage) {
   return stage.layer == std::string_view("radiance") ? nullptr : &layers.at("radiance");
 }
 
-/// The reference's layers over the frame or a region.
-struct ReferenceImages {
-  std::string view;  ///< as measurements name it
-  std::optional<Rectangle> rectangle;
-  Image radiance;
-  Image mask;
-  Image variance;   ///< empty if the method gives none
-  Image occlusion;  ///< empty if the method gives none
-
-  std::vector<MetricValue> measure(const Image& test) const {
-    return occlab::measure({.reference = radiance,
-                            .test = rectangle ? crop(test, *rectangle) : test,
-                            .mask = mask,
-                            .reference_occlusion = occlusion.empty() ? nullptr : &occlusion,
-                            .reference_variance = variance.empty() ? nullptr : &variance});
-  }
-};
-
-Image optional_layer(const Layers& layers, const char* name) {
-  const Image* image = layers.find(name);
-  return image ? *image : Image();
-}
-
-std::vector<ReferenceImages> reference_images(const Layers& layers, const std::string& view,
-                                              const std::vector<Region>& regions) {
-  std::vector<ReferenceImages> images;
-  images.push_back({view, std::nullopt, layers.at("radiance"), layers.at("mask"),
-                    optional_layer(layers, "radiance_variance"),
-                    optional_layer(layers, "ambient_occlusion")});
-  for (const Region& region : regions) {
-    const auto part = [&](const Image& image) {
-      return image.empty() ? Image() : crop(image, region.rectangle);
-    };
-    const ReferenceImages& whole = images.front();
-    images.push_back({view_of_region(view, region.name), region.rectangle, part(whole.radiance),
-                      part(whole.mask), part(whole.variance), part(whole.occlusion)});
-  }
-  return images;
-}
-
 /// What one group of cells (seeds of one method and parameters) gave at one stage.
 struct GroupStage {
   using ViewAndMetric = std::pair<std::string, std::string>;
@@ -89,6 +49,7 @@ struct GroupStage {
 
 struct Group {
   const PlannedCell* planned = nullptr;
+  const Reference* reference = nullptr;
   std::vector<std::string> cells;
   std::map<std::string, GroupStage> stages;
 };
@@ -116,15 +77,14 @@ void keep_compared(Group& group) {
 
 class Measurer {
  public:
-  Measurer(const Measurement& identity, std::string reference_id)
-      : identity_(identity), reference_id_(std::move(reference_id)) {}
+  explicit Measurer(const Measurement& identity) : identity_(identity) {}
 
   void add_seed(Group& group, const Stage& stage, const MeasuredCell& cell,
                 const ReferenceImages& reference, const Image& image) {
     GroupStage& sums = group.stages[stage.name];
     for (const MetricValue& metric : reference.measure(image)) {
       const GroupStage::ViewAndMetric name(reference.view, metric.name);
-      Measurement row = new_row(*group.planned, stage.name, name, metric.unit);
+      Measurement row = new_row(group, stage.name, name, metric.unit);
       row.seed = std::to_string(cell.planned.parameters.integer("seed"));
       row.cells = {cell.id};
       row.value = metric.value;
@@ -150,7 +110,7 @@ class Measurer {
       sum += double(share.values()[p]);
       ++pixels;
     }
-    Measurement row = new_row(*group.planned, "", {identity_.view, "off_screen_samples"}, "1");
+    Measurement row = new_row(group, "", {identity_.view, "off_screen_samples"}, "1");
     row.seed = std::to_string(cell.planned.parameters.integer("seed"));
     row.cells = {cell.id};
     row.value = sum / double(pixels);
@@ -162,7 +122,7 @@ class Measurer {
   void add_means(const Group& group) {
     for (const auto& [stage, sums] : group.stages) {
       for (const auto& [name, unit] : sums.units) {
-        Measurement row = new_row(*group.planned, stage, name, unit);
+        Measurement row = new_row(group, stage, name, unit);
         row.cells = group.cells;
         const auto reason = sums.reasons.find(name);
         if (reason != sums.reasons.end()) {
@@ -199,17 +159,17 @@ class Measurer {
   std::vector<Measurement> take() { return std::exchange(rows_, {}); }
 
  private:
-  Measurement new_row(const PlannedCell& planned, const std::string& stage,
+  Measurement new_row(const Group& group, const std::string& stage,
                       const GroupStage::ViewAndMetric& name, const std::string& unit) const {
     Measurement row = identity_;
     row.view = name.first;
-    row.method = planned.method;
-    row.parameters = named_parameters(planned.parameters);
+    row.method = group.planned->method;
+    row.parameters = named_parameters(group.planned->parameters);
     row.seed = "all";
     row.stage = stage;
     row.metric = name.second;
     row.unit = unit;
-    row.reference_cell = reference_id_;
+    row.reference_cell = group.reference->cell;
     return row;
   }
 
@@ -251,6 +211,15 @@ class Measurer {
     return estimate;
   }
 
+  static Estimate scaled(Estimate estimate, double factor) {
+    if (estimate.value) *estimate.value *= factor;
+    if (estimate.interval) {
+      estimate.interval->low *= factor;
+      estimate.interval->high *= factor;
+    }
+    return estimate;
+  }
+
   static std::string different_seeds(std::size_t a, std::size_t b) {
     return fmt::format("{} and {} seeds: only equal seeds make pairs", a, b);
   }
@@ -262,8 +231,14 @@ class Measurer {
     Estimate ratio;
     Estimate difference;
     if (of_a->runs == of_b->runs) {
-      ratio = noise_ratio(*of_a, *of_b, confidence);
-      difference = bias_squared_difference(*of_a, *of_b, confidence);
+      // Each is in mean luminances of its own reference.
+      ratio = scaled(noise_ratio(*of_a, *of_b, confidence),
+                     of_a->mean_luminance / of_b->mean_luminance);
+      if (a.reference == b.reference) {
+        difference = bias_squared_difference(*of_a, *of_b, confidence);
+      } else {
+        difference.reason = "their references are not the same";
+      }
     } else {
       ratio.reason = difference.reason =
           different_seeds(std::size_t(of_a->runs), std::size_t(of_b->runs));
@@ -275,7 +250,7 @@ class Measurer {
 
   void add_noise(const Group& group, const std::string& stage, const NoiseBias& noise_bias) {
     const auto add = [&](const std::string& name, const char* unit, const Estimate& estimate) {
-      Measurement row = new_row(*group.planned, stage, {identity_.view, name}, unit);
+      Measurement row = new_row(group, stage, {identity_.view, name}, unit);
       row.cells = group.cells;
       row.n = noise_bias.runs;
       fill(row, estimate);
@@ -298,7 +273,7 @@ class Measurer {
                     const Estimate& estimate) {
     const std::string metric =
         fmt::format("{}_{}.{}/{}", name.second, kind, a.planned->method, b.planned->method);
-    Measurement row = new_row(*a.planned, stage, {name.first, metric}, unit);
+    Measurement row = new_row(a, stage, {name.first, metric}, unit);
     row.cells = a.cells;
     row.cells.insert(row.cells.end(), b.cells.begin(), b.cells.end());
     row.n = long(a.cells.size());
@@ -318,7 +293,6 @@ class Measurer {
   }
 
   Measurement identity_;
-  std::string reference_id_;
   std::vector<Measurement> rows_;
 };
 
@@ -336,34 +310,37 @@ void measure_cells(const std::vector<MeasuredCell>& cells, const std::vector<Reg
                    const Measurement& identity, const ReadLayers& read,
                    const std::function<void(std::size_t)>& progress, const RowSink& sink) {
   if (cells.empty() || cells.front().planned.role != Role::reference) return;
-  progress(0);
-  const std::vector<ReferenceImages> references =
-      reference_images(read(cells.front()), identity.view, regions);
-  Measurer measurer(identity, cells.front().id);
+  const std::vector<Reference> references =
+      read_references(cells, regions, identity.view, read, progress);
+  std::vector<PlannedCell> planned;
+  for (const MeasuredCell& cell : cells) planned.push_back(cell.planned);
+  Measurer measurer(identity);
 
   std::vector<Group> groups;
-  std::size_t index = 1;
+  std::size_t index = references.size();
   while (index < cells.size()) {
     const int id = cells[index].planned.group;
-    Group group{&cells[index].planned, {}, {}};
+    Group group{
+        &cells[index].planned, &references[reference_place(planned, cells[index].planned)], {}, {}};
+    const std::vector<ReferenceImages>& images = group.reference->images;
     std::map<std::string, RunStatistics> runs;
     for (; index < cells.size() && cells[index].planned.group == id; ++index) {
       progress(index);
       const Layers layers = read(cells[index]);
       group.cells.push_back(cells[index].id);
       if (const Image* share = layers.find("off_screen")) {
-        measurer.add_off_screen(group, cells[index], *share, references.front().mask);
+        measurer.add_off_screen(group, cells[index], *share, images.front().mask);
       }
       for (const Stage& stage : stages) {
         const Image* image = stage_image(layers, stage);
         if (!image) continue;
-        runs.try_emplace(stage.name, references.front().mask).first->second.add(*image);
-        for (const ReferenceImages& reference : references) {
+        runs.try_emplace(stage.name, images.front().mask).first->second.add(*image);
+        for (const ReferenceImages& reference : images) {
           measurer.add_seed(group, stage, cells[index], reference, *image);
         }
       }
     }
-    const ReferenceImages& whole = references.front();
+    const ReferenceImages& whole = images.front();
     for (const auto& [stage, statistics] : runs) {
       if (statistics.runs() < 2) continue;
       const NoiseBias& noise_bias = group.stages[stage].noise_bias.emplace(

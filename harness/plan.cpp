@@ -59,10 +59,17 @@ std::vector<PlannedCell> plan(const Experiment& experiment,
   std::vector<PlannedCell> cells;
   int group = 0;
   if (experiment.reference) {
-    const MethodInfo& method = planned_method(methods, experiment.reference->method);
-    ParameterSet parameters = common_parameters(experiment, method);
-    for (const auto& [name, value] : experiment.reference->parameters) parameters.set(name, value);
-    cells.push_back({Role::reference, method.name, std::move(parameters), group++});
+    const ReferenceSettings& reference = *experiment.reference;
+    const auto add = [&](const std::string& of, std::optional<long> rays) {
+      const MethodInfo& method = planned_method(methods, of);
+      ParameterSet parameters = common_parameters(experiment, method);
+      for (const auto& [name, value] : reference.parameters) parameters.set(name, value);
+      if (rays) parameters.set("rays_per_pixel", *rays);
+      cells.push_back({Role::reference, method.name, std::move(parameters), group++, method.truth});
+    };
+    add(reference.method, std::nullopt);
+    // Only the first is traced step by step until it is certified.
+    for (const std::string& other : reference.others) add(other, reference.max_rays_per_pixel);
   }
   for (const RunSettings& run : experiment.runs) {
     for (const std::string& name : run.methods) {
@@ -73,13 +80,20 @@ std::vector<PlannedCell> plan(const Experiment& experiment,
         for (const auto& [parameter, value] : point) parameters.set(parameter, value);
         for (const long seed : run.seeds) {
           if (parameters.has("seed")) parameters.set("seed", seed);
-          cells.push_back({Role::test, name, parameters, group});
+          cells.push_back({Role::test, name, parameters, group, method.truth});
         }
         ++group;
       }
     }
   }
   return cells;
+}
+
+std::size_t reference_place(const std::vector<PlannedCell>& cells, const PlannedCell& test) {
+  for (std::size_t i = 0; i < cells.size() && cells[i].role == Role::reference; ++i) {
+    if (cells[i].method == test.truth) return i;
+  }
+  return 0;
 }
 
 int select_group(const std::vector<PlannedCell>& cells, const std::string& method,

@@ -33,6 +33,7 @@ json list_methods() {
     all.push_back({{"name", method.name},
                    {"title", method.title},
                    {"paper", method.paper},
+                   {"truth", method.truth},
                    {"layers", method.layers},
                    {"parameters", parameters}});
   }

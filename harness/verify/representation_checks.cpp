@@ -97,11 +97,14 @@ Check share_check(const Worst& worst, std::string name, const std::string& quant
 }
 
 /// NAME=VALUE settings that CPU and GPU are compared with, where a method has NAME.
-constexpr std::array<std::pair<const char*, const char*>, 5> variants = {{{"weight", "binary"},
-                                                                          {"weight", "lambda"},
-                                                                          {"weight", "smoothstep"},
-                                                                          {"gbuffer_bits", "16"},
-                                                                          {"cone_angle", "exact"}}};
+constexpr std::array<std::pair<const char*, const char*>, 7> variants = {
+    {{"weight", "binary"},
+     {"weight", "lambda"},
+     {"weight", "smoothstep"},
+     {"gbuffer_bits", "16"},
+     {"cone_angle", "exact"},
+     {"form_factor", "solid_angle"},
+     {"form_factor", "patch"}}};
 
 Check gpu_check(const SceneOnDevice& scene, const Frame& frame, const MethodInfo& method,
                 const RepresentationSettings& settings) {

@@ -20,7 +20,7 @@ struct RepresentationSettings {
 /// Every method with a representation, on every scene that comes with occlab. Subject
 /// "representations". Rows:
 ///   - for each camera and method, GPU against CPU (gpu_and_cpu()) with every weight, a 16-bit
-///     G-buffer and the exact cone, under the probe sky_sun and the scene's lights: the value that
+///     G-buffer, the exact cone and both form factors, under the probe sky_sun and the scene's lights: the value that
 ///     uses most of its bound, as a share of it;
 ///   - for each of representation_identities(), the same, the worst of all cameras and of both
 ///     visibility sources;

@@ -54,7 +54,7 @@ class Everything(VerifyTest):
                          {"reference", "passes", "representations", "metrics"})
         # Every method, and the corner that the papers' claim is about.
         methods = {row["quantity"].split()[0] for row in rows if row["subject"] == "passes"}
-        self.assertEqual(methods, {"ssao", "s3ho", "ssdo", "ssbn"})
+        self.assertEqual(methods, {"ssao", "s3ho", "ssdo", "ssbn", "s3hogi"})
         corner = [row for row in rows if row["case"] == "corner: floor, E = 1.761062, traced"]
         self.assertEqual({row["quantity"].split()[0] for row in corner}, {"s3ho", "ssdo"})
         for row in corner:

@@ -15,6 +15,13 @@
 namespace occlab::test {
 namespace {
 
+/// With and without a bounce.
+std::vector<std::string> all_methods() {
+  std::vector<std::string> all = screen_space_methods;
+  all.insert(all.end(), bounce_methods.begin(), bounce_methods.end());
+  return all;
+}
+
 ParameterSet parameters_of(const std::string& method, const Values& values) {
   ParameterSet parameters(find_method(method).parameters);
   for (const auto& [name, value] : values) {
@@ -28,8 +35,9 @@ LayerAgreement agreement_of(const TestFrame& frame, const std::string& method,
   return gpu_and_cpu(frame.frame(), find_method(method), parameters_of(method, values));
 }
 
-void expect_agreement(const TestFrame& frame, const Values& values, const std::string& what) {
-  for (const std::string& method : screen_space_methods) {
+void expect_agreement(const TestFrame& frame, const Values& values, const std::string& what,
+                      const std::vector<std::string>& methods = all_methods()) {
+  for (const std::string& method : methods) {
     const LayerAgreement agreement = agreement_of(frame, method, values);
     const WorstPixel worst = worst_pixel(agreement);
     EXPECT_LE(worst.share, 1.0) << what << ", " << method << ", "
@@ -156,7 +164,23 @@ TEST(CpuAndGpu, AgreeOverA16BitGBuffer) {
 TEST(CpuAndGpu, AgreeOnWhatRaysSaw) {
   // The occlusion pass is the CPU's on both sides; its values are uploaded, filtered and lit.
   const TestFrame frame(still_life(), from_above, sky(), lights());
-  expect_agreement(frame, {{"visibility", "traced"}, {"weight", "lambda"}}, "traced");
+  expect_agreement(frame, {{"visibility", "traced"}, {"weight", "lambda"}}, "traced",
+                   {"ssao", "s3ho", "ssdo", "ssbn", "s3hogi"});
+}
+
+TEST(CpuAndGpu, AgreeOnEveryFormFactor) {
+  const TestFrame frame(still_life(), from_above, sky(), lights());
+  for (const char* factor : {"solid_angle", "patch"}) {
+    for (const char* clamp : {"unit", "patch_radius", "none"}) {
+      if (factor == std::string("solid_angle") && clamp != std::string("unit")) continue;
+      expect_agreement(frame,
+                       {{"form_factor", factor},
+                        {"distance_clamp", clamp},
+                        {"sender_area", 1.7},
+                        {"weight", "smoothstep"}},
+                       "form factors", bounce_methods);
+    }
+  }
 }
 
 TEST(CpuAndGpu, AgreeOnABackground) {
@@ -176,7 +200,7 @@ class PlantedError : public testing::Test {
 };
 
 TEST_F(PlantedError, OfThreeBoundsIsFoundAndNamed) {
-  for (const std::string& method : screen_space_methods) {
+  for (const std::string& method : all_methods()) {
     const LayerAgreement good = agreement_of(frame(), method, {});
     for (const Layers::Layer& layer : good.expected.all()) {
       LayerAgreement bad = good;
@@ -238,7 +262,7 @@ TEST_F(PlantedError, OfAMissingLayerOrAnotherSizeIsAnError) {
 
 TEST_F(PlantedError, InAParameterIsFound) {
   // One part in a thousand of a constant, or the next sample set.
-  for (const std::string& method : screen_space_methods) {
+  for (const std::string& method : all_methods()) {
     for (const auto& [name, value] : Values{{"d_max_world", 1.001},
                                             {"seed", 1L},
                                             {"filter_power", 32.5},
@@ -255,7 +279,7 @@ TEST_F(PlantedError, InAParameterIsFound) {
 TEST_F(PlantedError, HasLittleRoom) {
   // The bounds are not there for anything but rounding: below 2.5e-3 of the image's largest value
   // for what is stored as halves twice, and 1e-4 for floats.
-  for (const std::string& method : screen_space_methods) {
+  for (const std::string& method : all_methods()) {
     const LayerAgreement agreement = agreement_of(frame(), method, {});
     for (const Layers::Layer& layer : agreement.bounds.all()) {
       if (layer.name.starts_with("radiance")) continue;
@@ -264,7 +288,7 @@ TEST_F(PlantedError, HasLittleRoom) {
         largest = std::max(largest, std::abs(agreement.expected.at(layer.name).values()[i]));
         widest = std::max(widest, layer.image.values()[i]);
       }
-      EXPECT_LT(widest, (method == "s3ho" ? 2.5e-3f : 1e-4f) * largest) << method << layer.name;
+      EXPECT_LT(widest, (method.starts_with("s3ho") ? 2.5e-3f : 1e-4f) * largest) << method << layer.name;
       EXPECT_GT(widest, 0.0f);
     }
   }

@@ -79,7 +79,10 @@ class TestFrame {
   Frame frame_;
 };
 
+/// Those of direct light.
 inline const std::vector<std::string> screen_space_methods = {"ssao", "s3ho", "ssdo", "ssbn"};
+/// Those with a bounce.
+inline const std::vector<std::string> bounce_methods = {"s3hogi", "ssdogi"};
 
 /// The layer that holds a method's ambient occlusion, "" if it has none.
 inline std::string occlusion_layer(const std::string& method) {
