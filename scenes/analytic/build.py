@@ -8,6 +8,7 @@ World space: tangent planes are z = 0 with normal +Z unless a comment says other
 import math
 import pathlib
 
+import bounce
 import closed_forms as exact
 import curved
 import walls
@@ -150,6 +151,7 @@ def asymmetric():
     scene.mesh(quad((-0.2, -0.5, 0), (0.3, 0, 1.4), (0.2, 2, 0)))
     scene.camera("main", camera_at((4, -3, 3), (0.5, 0, 0.5)), 0.45)
     furnace(scene)
+    bounce.furnace(scene)
     scene.write(HERE / "furnace.glb")
 
 

@@ -4,6 +4,7 @@ how far is part of each bound."""
 import math
 import pathlib
 
+import bounce
 import closed_forms as exact
 from closed_forms import PI, agrees
 from scene_file import (SceneFile, add, camera_at, dot, facet_share, quad, revolution, scale,
@@ -113,6 +114,8 @@ def bowls():
             out = (math.sin(t), 0.0, math.cos(t))
             ray(scene, f"psi = {degrees:g}, theta = {theta:g}", source, scale(1 - FACETS, out),
                 scale(-1, out), k, bound, TESSELLATION, settings=["d_max_world=inf"])
+            bounce.bowl(scene, degrees, k, theta, scale(1 - FACETS, out), scale(-1, out), bound,
+                        TESSELLATION)
             view = close_up(scene, f"theta {theta:g}", out, scale(-1, out), near=0.2)
             scene.case(f"psi = {degrees:g}, theta = {theta:g}, traced", source, ["ssao", "s3ho"],
                        "ambient_occlusion", k, bound + HALVES, f"{TESSELLATION}; {FLOATS}",

@@ -3,6 +3,7 @@
 import math
 import pathlib
 
+import bounce
 import closed_forms as exact
 from closed_forms import PI, agrees
 from scene_file import SceneFile, add, camera_at, quad, scale
@@ -55,6 +56,7 @@ def wall():
         marched_wall(scene, kappa)
     traced_wall(scene)
     leak(scene)
+    bounce.wall(scene, WALL_EYE)
     scene.write(HERE / "wall.glb")
 
 
