@@ -102,8 +102,9 @@ Image draw(int size, Colour colour) {
     for (int x = 0; x < size; ++x) {
       std::array<double, 3> sum{};
       for (int sub = 0; sub < subpixels * subpixels; ++sub) {
+        const int row = sub / subpixels;
         const double px = x + (sub % subpixels + 0.5) / subpixels - 0.5 * size;
-        const double py = y + (double(sub / subpixels) + 0.5) / subpixels - 0.5 * size;
+        const double py = y + (row + 0.5) / subpixels - 0.5 * size;
         const DisplayColour found = colour(scale * px, -scale * py);
         for (std::size_t c = 0; c < 3; ++c) sum[c] += found[c];
       }
