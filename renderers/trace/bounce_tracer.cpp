@@ -20,14 +20,13 @@ int count(const LaneMask& mask) {
 BounceTracer::BounceTracer(const TracedScene& traced, const TraceSettings& settings,
                            const ProbeTable& table, const EnvironmentSampler& sampler,
                            std::span<const Light> lights)
-    : settings_(settings),
+    : visibility_(traced, {settings.weight, settings.d_max_world, settings.lambda_per_world,
+                           settings.fade_start}),
+      surfaces_(traced, *settings.bounce->scene),
+      settings_(settings),
       table_(table),
       sampler_(sampler),
-      weight_{settings.weight, settings.d_max_world, settings.lambda_per_world,
-              settings.fade_start},
-      lift_world_(traced.ray_lift_world()),
-      visibility_(traced, weight_),
-      surfaces_(traced, *settings.bounce->scene) {
+      lift_world_(traced.ray_lift_world()) {
   for (const Light& light : lights) lights_.push_back(punctual_light(light));
   reach_.v.fill(settings.d_max_world);
 }

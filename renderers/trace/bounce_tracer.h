@@ -42,17 +42,16 @@ class BounceTracer {
   Lanes visible(const SenderTile& tile, const LaneMask& active, const Lanes3& direction,
                 const Lanes& distance);
 
+  TileVisibility visibility_;  ///< of the pixels
+  Lanes reach_;
+  SurfaceRays surfaces_;
+  std::vector<PunctualLight> lights_;
   const TraceSettings& settings_;
   const ProbeTable& table_;
   const EnvironmentSampler& sampler_;
-  BlockerWeight weight_;
-  float lift_world_;
-  TileVisibility visibility_;  ///< of the pixels
-  SurfaceRays surfaces_;
-  std::vector<PunctualLight> lights_;
-  Lanes reach_;
   std::uint64_t rays_ = 0;
   const Tile* tile_ = nullptr;
+  float lift_world_;
 };
 
 }  // namespace occlab
