@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace occlab {
 namespace {
@@ -22,30 +23,48 @@ std::string range(const Interval& interval) {
   return fmt::format("[{:.4g}, {:.4g}]", interval.low, interval.high);
 }
 
+/// One case, whole.
 std::string evidence_of(const CaseEvidence& evidence) {
-  const std::string label = evidence.label.empty() ? "" : evidence.label + ": ";
   std::string text;
   if (evidence.estimate && evidence.interval) {
     text = fmt::format("{:.4g} {}", evidence.estimate->value, range(*evidence.interval));
-    if (evidence.outcome != CaseOutcome::holds)
+    if (evidence.outcome != CaseOutcome::holds) {
       text += fmt::format(", {}", to_string(evidence.outcome));
+    }
   }
   if (evidence.value && evidence.value_interval) {
-    text += fmt::format("{}{:.4g} {} (published {:g}{}{})", text.empty() ? "" : "; ",
+    text += fmt::format("{}{:.4g} {}, published {:g}{}{}", text.empty() ? "" : "; ",
                         evidence.value->value, range(*evidence.value_interval), *evidence.published,
                         evidence.value_remark.empty() ? "" : ": ", evidence.value_remark);
   }
-  if (text.empty()) text = evidence.reason;
-  return label + text;
+  return text.empty() ? evidence.reason : text;
+}
+
+/// Several cases in short: the table of the evidence has them all.
+std::string summary_of(const std::vector<CaseEvidence>& cases) {
+  double lowest = std::numeric_limits<double>::infinity();
+  double highest = -lowest;
+  for (const CaseEvidence& evidence : cases) {
+    const auto& estimate = evidence.estimate ? evidence.estimate : evidence.value;
+    if (!estimate) continue;
+    lowest = std::min(lowest, estimate->value);
+    highest = std::max(highest, estimate->value);
+  }
+  std::string text = fmt::format("{:.4g} to {:.4g}", lowest, highest);
+  for (const CaseOutcome outcome : {CaseOutcome::contradicted, CaseOutcome::unresolved}) {
+    const auto count = std::ranges::count(cases, outcome, &CaseEvidence::outcome);
+    if (count > 0) text += fmt::format("; {} {}", count, to_string(outcome));
+  }
+  if (cases.front().published) {
+    text += fmt::format("; {} of {} in value",
+                        std::ranges::count_if(cases, &CaseEvidence::in_value), cases.size());
+  }
+  return text;
 }
 
 std::string evidence_of(const JudgedClaim& judged) {
   if (!judged.reason.empty()) return judged.reason;
-  std::string text;
-  for (const CaseEvidence& evidence : judged.cases) {
-    text += (text.empty() ? "" : "; ") + evidence_of(evidence);
-  }
-  return text;
+  return judged.cases.size() == 1 ? evidence_of(judged.cases.front()) : summary_of(judged.cases);
 }
 
 std::string statement_of(const Claim& claim) {
@@ -75,20 +94,20 @@ Table verdict_table(const JudgedClaims& claims) {
   Table table{.name = "claims",
               .title = "Claims of the papers",
               .columns = {{"claim", "", left},
-                          {"paper", "", left},
-                          {"place", "", left},
-                          {"what", "", left},
-                          {"statement", "", left},
                           {"verdict", "", left},
                           {"holds in", "", left},
-                          {"evidence", "", left}},
+                          {"what", "", left},
+                          {"evidence", "", left},
+                          {"statement", "", left},
+                          {"paper", "", left},
+                          {"place", "", left}},
               .rows = {},
               .notes = verdict_notes(claims)};
   for (const JudgedClaim& judged : claims.all) {
     const Claim& claim = *judged.claim;
-    table.rows.push_back({claim.id, claim.paper, claim.place, claim.text, statement_of(claim),
-                          std::string(to_string(judged.verdict)), holds_cell(judged),
-                          evidence_of(judged)});
+    table.rows.push_back({claim.id, std::string(to_string(judged.verdict)), holds_cell(judged),
+                          claim.text, evidence_of(judged), statement_of(claim), claim.paper,
+                          claim.place});
   }
   return table;
 }
