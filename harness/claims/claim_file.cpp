@@ -13,6 +13,8 @@
 namespace occlab {
 namespace {
 
+constexpr std::size_t most_cases = 1000;  // of a claim
+
 /// A variable and the values it takes.
 struct Variable {
   std::string name;
@@ -86,6 +88,13 @@ class CaseReader {
 
   std::vector<ClaimCase> read() {
     const std::vector<Variable> variables = read_variables(table_);
+    std::size_t count = 1;
+    for (const Variable& variable : variables) {
+      count *= variable.values.size();
+      if (count > most_cases) {
+        table_.fail("over", fmt::format("found more than {} cases", most_cases));
+      }
+    }
     std::vector<ClaimCase> cases;
     for (const ClaimVariables& choice : choices(variables)) {
       cases.push_back({label(variables, choice), {}, {}, {}});

@@ -155,6 +155,8 @@ class Claims(CliTest):
                 ("rmse(ssdo, N) > rmse(s3ho, N)", "rmse(ssdo, 32) > rmse(s3ho, 32)",
                  ["claim[0].over", "N is not used"]),
                 ("over = {N = [32, 8]}", "over = {n = [32, 8]}", ["claim[0].over.n", "capitals"]),
+                ("{N = [32, 8]}", "{N = {from = 1, to = 40, step = 1}, M = {from = 1, to = 40, "
+                 "step = 1}}", ["claim[0].over", "more than 1000 cases"]),
                 ('id = "value"', 'id = "noise"', ["claim[1].id", "'noise' is there twice"]),
                 ('id = "rows"', 'id = "noise"', ["contradiction[0].id", "there twice"]),
                 ("published = 2.0\n", "", ["claim[1].published", "missing"]),
