@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <numeric>
 
 #include "harness/cell_writer.h"
@@ -54,6 +55,7 @@ SharedWork::SharedWork(CellStore& store, std::vector<WorkItem> items, const Work
 }
 
 std::size_t SharedWork::make_missing() {
+  const auto start = std::chrono::steady_clock::now();
   std::vector<char> finished(share_.size());
   parallel_for(share_.size(), [&](std::size_t i) { finished[i] = store_.has(share_[i]->key); });
   std::vector<const WorkItem*> missing;
@@ -68,7 +70,9 @@ std::size_t SharedWork::make_missing() {
       options_.shard
           ? fmt::format("shard {} of {} cells: ", to_string(*options_.shard), items_.size())
           : "";
-  fmt::print(stderr, "{}{} cells, {} to render\n", of_all, share_.size(), missing.size());
+  const std::chrono::duration<double> looking = std::chrono::steady_clock::now() - start;
+  fmt::print(stderr, "{}{} cells, {} to render (looked for in {:.2f} s)\n", of_all, share_.size(),
+             missing.size(), looking.count());
 
   if (missing.empty()) {
     if (!log_.was("finished")) begin_measuring();

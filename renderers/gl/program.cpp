@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <glm/gtc/type_ptr.hpp>
 
 #include "renderers/gl/context.h"
@@ -102,9 +103,19 @@ void Program::bind_uniform_buffer(GLuint binding, const Buffer& buffer) {
 const Program& ProgramCache::get(std::string_view vertex_path, std::string_view fragment_path,
                                  const std::string& preamble) {
   const std::string key = fmt::format("{}\n{}\n{}", vertex_path, fragment_path, preamble);
-  const auto found = programs_.find(key);
-  if (found != programs_.end()) return found->second;
-  return programs_.emplace(key, Program(vertex_path, fragment_path, preamble)).first->second;
+  ++uses_;
+  if (const auto found = programs_.find(key); found != programs_.end()) {
+    found->second.last_use = uses_;
+    return found->second.program;
+  }
+  if (programs_.size() == most) drop_the_longest_unused();
+  Entry entry{Program(vertex_path, fragment_path, preamble), uses_};
+  return programs_.emplace(key, std::move(entry)).first->second.program;
+}
+
+void ProgramCache::drop_the_longest_unused() {
+  programs_.erase(std::ranges::min_element(
+      programs_, {}, [](const auto& named) { return named.second.last_use; }));
 }
 
 void draw_fullscreen() {

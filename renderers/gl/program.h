@@ -2,6 +2,8 @@
 
 #include <epoxy/gl.h>
 
+#include <cstddef>
+#include <cstdint>
 #include <glm/glm.hpp>
 #include <map>
 #include <string>
@@ -59,14 +61,25 @@ class Program {
   GlObject<delete_program> object_;
 };
 
-/// Programs by what they were made from, so that a sweep compiles each once.
+/// Programs by what they were made from, so that a sweep compiles each once: as long as it uses no
+/// more than `most` at a time, whatever their number in all.
 class ProgramCache {
  public:
+  static constexpr std::size_t most = 128;
+
+  /// Good until `most` others were asked for.
   const Program& get(std::string_view vertex_path, std::string_view fragment_path,
                      const std::string& preamble);
 
  private:
-  std::map<std::string, Program> programs_;
+  struct Entry {
+    Program program;
+    std::uint64_t last_use;
+  };
+  void drop_the_longest_unused();
+
+  std::map<std::string, Entry> programs_;
+  std::uint64_t uses_ = 0;
 };
 
 /// Draws one triangle over the whole viewport with the program in use.

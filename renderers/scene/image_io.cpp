@@ -56,6 +56,14 @@ void write_atomically(const fs::path& path, const std::function<void(const fs::p
   }
 }
 
+/// What a library that could not write does not say.
+std::string full_disk(const fs::path& path, std::uintmax_t wanted) {
+  std::error_code error;
+  const fs::space_info space = fs::space(fs::absolute(path).parent_path(), error);
+  if (error || space.available >= wanted) return "";
+  return fmt::format(" (the disk is full: {} bytes are free)", space.available);
+}
+
 void write_image(const fs::path& path, const OIIO::ImageSpec& spec, const void* data,
                  OIIO::TypeDesc format) {
   write_atomically(path, [&](const fs::path& temporary) {
@@ -66,7 +74,7 @@ void write_image(const fs::path& path, const OIIO::ImageSpec& spec, const void* 
     if (!output) fail(OIIO::geterror());
     if (!output->open(temporary.string(), spec) || !output->write_image(format, data) ||
         !output->close()) {
-      fail(output->geterror());
+      fail(output->geterror() + full_disk(path, spec.image_bytes()));
     }
   });
 }

@@ -83,6 +83,7 @@ class Full(CliTest):
         self.assertEqual(finished.returncode, 3, finished.stderr)
         last = finished.stderr.splitlines()[-1]
         self.assertTrue(last.startswith(f"occlab: {disk}/results/cells/"), last)
+        self.assertRegex(last, "the disk is full: [0-9]+ bytes are free|No space left on device")
         kept = list((disk / "results/cells").iterdir())
         self.assertGreater(len(kept), 0)
         for cell in kept:

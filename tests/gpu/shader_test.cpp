@@ -232,6 +232,32 @@ TEST(Shaders, EveryMethodCompilesForAllItsChoices) {
   }
 }
 
+/// Programs that the driver still has, of the names it has given.
+std::size_t living_programs() {
+  std::size_t living = 0;
+  for (GLuint id = 1; id < 4096; ++id) living += glIsProgram(id) ? 1 : 0;
+  return living;
+}
+
+TEST(ProgramCache, HoldsNoMoreThanItSaysAndKeepsWhatIsUsed) {
+  device();
+  const std::size_t before = living_programs();
+  {
+    ProgramCache cache;
+    const auto get = [&](std::size_t number) -> const Program& {
+      return cache.get(fullscreen_vertex_shader, "test/good.frag",
+                       fmt::format("#define NUMBER {}\n", number));
+    };
+    const Program* const used_always = &get(0);
+    for (std::size_t i = 1; i < 2 * ProgramCache::most; ++i) {
+      get(i);
+      EXPECT_EQ(&get(0), used_always);
+    }
+    EXPECT_EQ(living_programs() - before, ProgramCache::most);
+  }
+  EXPECT_EQ(living_programs(), before);
+}
+
 TEST(Shaders, EveryMethodNamesItsShaders) {
   // They are part of a cell's identity: a pass that is not named could change unnoticed.
   for (const MethodInfo& info : methods()) {
