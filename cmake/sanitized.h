@@ -1,4 +1,5 @@
-// What most of the sources include and what takes longest to read (CMakeLists.txt, OCCLAB_SANITIZE).
+// What most of the sources include and what takes longest to read (CMakeLists.txt,
+// OCCLAB_SANITIZE).
 #pragma once
 
 #include <fmt/format.h>

@@ -20,8 +20,8 @@ struct RepresentationSettings {
 /// Every method with a representation, on every scene that comes with occlab. Subject
 /// "representations". Rows:
 ///   - for each camera and method, GPU against CPU (gpu_and_cpu()) with every weight, a 16-bit
-///     G-buffer, the exact cone and both form factors, under the probe sky_sun and the scene's lights: the value that
-///     uses most of its bound, as a share of it;
+///     G-buffer, the exact cone and both form factors, under the probe sky_sun and the scene's
+///     lights: the value that uses most of its bound, as a share of it;
 ///   - for each of representation_identities(), the same, the worst of all cameras and of both
 ///     visibility sources;
 ///   - for each scene, compare_to_reference(): the region that comes closest to its bound.

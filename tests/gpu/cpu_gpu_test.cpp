@@ -288,7 +288,8 @@ TEST_F(PlantedError, HasLittleRoom) {
         largest = std::max(largest, std::abs(agreement.expected.at(layer.name).values()[i]));
         widest = std::max(widest, layer.image.values()[i]);
       }
-      EXPECT_LT(widest, (method.starts_with("s3ho") ? 2.5e-3f : 1e-4f) * largest) << method << layer.name;
+      EXPECT_LT(widest, (method.starts_with("s3ho") ? 2.5e-3f : 1e-4f) * largest)
+          << method << layer.name;
       EXPECT_GT(widest, 0.0f);
     }
   }

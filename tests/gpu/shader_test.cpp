@@ -260,16 +260,26 @@ TEST(ProgramCache, HoldsNoMoreThanItSaysAndKeepsWhatIsUsed) {
 
 TEST(Shaders, EveryMethodNamesItsShaders) {
   // They are part of a cell's identity: a pass that is not named could change unnoticed.
+  std::vector<std::string> without;
   for (const MethodInfo& info : methods()) {
     for (const std::string& path : info.shaders) EXPECT_NO_THROW(shader_file(path)) << path;
-    if (info.name == "rtdo") continue;
     const auto names = [&](const std::string& path) {
       return std::ranges::find(info.shaders, path) != info.shaders.end();
     };
-    EXPECT_TRUE(names("renderers/methods/" + info.name + ".frag"));
-    EXPECT_TRUE(names("renderers/methods/" + info.name + "_lighting.frag"));
-    EXPECT_TRUE(names("renderers/methods/bilateral.frag"));
+    if (info.shaders.empty()) {
+      without.push_back(info.name);
+    } else {
+      EXPECT_TRUE(names("renderers/methods/bilateral.frag")) << info.name;
+    }
+    for (const EmbeddedShader& shader : embedded_shaders()) {
+      const std::string path(shader.path);
+      for (const char* next : {".", "_"}) {
+        const bool own = path.starts_with("renderers/methods/" + info.name + next);
+        EXPECT_TRUE(!own || !path.ends_with(".frag") || names(path)) << info.name << " " << path;
+      }
+    }
   }
+  EXPECT_EQ(without, (std::vector<std::string>{"rtdo", "rtgi_unoccluded", "rtgi_shaded"}));
 }
 
 TEST(Shaders, SharedHeadersComputeTheSameOnBothSides) {
