@@ -15,16 +15,34 @@
 namespace occlab {
 namespace {
 
+bool equals(const std::string& text, const std::string& value) { return text == value; }
+bool is_closeup(const std::string& view, const std::string& closeup) {
+  return view.ends_with(" [" + closeup + "]");
+}
+/// A view's closeups are chosen by `closeup`.
+bool is_view(const std::string& text, const std::string& view) {
+  return text == view || text.starts_with(view + " [");
+}
+/// A probe's settings follow its name.
+bool is_probe(const std::string& text, const std::string& probe) {
+  return text == probe || text.starts_with(probe + ", ");
+}
+
+/// A filter that is no parameter of a method.
 struct Column {
   std::string_view name;
   std::string Measurement::*field;
+  bool (*takes)(const std::string& text, const std::string& value) = equals;
+  std::array<std::string_view, 2> accepted = {};  ///< empty: any text
 };
-constexpr std::array<Column, 6> columns = {{{"experiment", &Measurement::experiment},
-                                            {"scene", &Measurement::scene},
-                                            {"view", &Measurement::view},
-                                            {"resolution", &Measurement::resolution},
-                                            {"probe", &Measurement::probe},
-                                            {"stage", &Measurement::stage}}};
+constexpr std::array<Column, 7> columns = {
+    {{"experiment", &Measurement::experiment},
+     {"scene", &Measurement::scene},
+     {"view", &Measurement::view, is_view},
+     {"closeup", &Measurement::view, is_closeup},
+     {"resolution", &Measurement::resolution},
+     {"probe", &Measurement::probe, is_probe},
+     {"stage", &Measurement::stage, equals, {"unfiltered", "filtered"}}}};
 
 const Column* find_column(std::string_view name) {
   const auto* const found = std::ranges::find(columns, name, &Column::name);
@@ -53,13 +71,12 @@ bool has_parameter(const MethodInfo& method, const std::string& name) {
 }
 
 void check_filter(const std::string& name, const std::string& value, const MethodInfo& method) {
-  if (name == "stage") {
-    const std::vector<std::string> stages = {"unfiltered", "filtered"};
-    if (std::ranges::find(stages, value) == stages.end()) {
-      throw InputError(fmt::format("unknown stage '{}'{}", value, accepted_words(value, stages)));
-    }
+  if (const Column* const column = find_column(name)) {
+    const std::vector<std::string> accepted(column->accepted.begin(), column->accepted.end());
+    if (accepted.front().empty() || std::ranges::find(accepted, value) != accepted.end()) return;
+    throw InputError(
+        fmt::format("unknown {} '{}'{}", name, value, accepted_words(value, accepted)));
   }
-  if (name == "closeup" || find_column(name)) return;
   if (!has_parameter(method, name)) {
     throw InputError(fmt::format("unknown filter '{}' of {}{}", name, method.name,
                                  accepted_words(name, filter_names({method}))));
@@ -79,11 +96,9 @@ bool same_value(const std::string& a, const std::string& b) {
 }
 
 bool passes(const std::string& name, const std::string& value, const Measurement& row) {
-  if (name == "closeup") return row.view.ends_with(" [" + value + "]");
-  // A view's closeups are chosen by `closeup`; a probe's settings follow its name.
-  if (name == "view") return row.view == value || row.view.starts_with(value + " [");
-  if (name == "probe") return row.probe == value || row.probe.starts_with(value + ", ");
-  if (const Column* const column = find_column(name)) return row.*(column->field) == value;
+  if (const Column* const column = find_column(name)) {
+    return column->takes(row.*(column->field), value);
+  }
   const std::string* const found = find_parameter(row, name);
   return found && same_value(*found, value);
 }
@@ -119,7 +134,7 @@ std::vector<std::string> claim_metrics() {
 }
 
 std::vector<std::string> filter_names(const std::vector<MethodInfo>& methods) {
-  std::vector<std::string> names = {"closeup"};
+  std::vector<std::string> names;
   for (const Column& column : columns) names.emplace_back(column.name);
   for (const MethodInfo& method : methods) {
     for (const Parameter& parameter : method.parameters) {
@@ -133,7 +148,7 @@ std::vector<std::string> filter_names(const std::vector<MethodInfo>& methods) {
 bool takes_filter(const ClaimTerm& term, const std::string& name,
                   const std::vector<MethodInfo>& methods) {
   if (name == "stage") return has_stage(claim_metric(term.metric));
-  if (name == "closeup" || find_column(name)) return true;
+  if (find_column(name)) return true;
   return has_parameter(method_of(term, methods), name);
 }
 
