@@ -220,6 +220,7 @@ await check("plots are there as SVG and CSV", async () => {
   assert.ok(plots.length >= 6, `${plots.length} plots`);
   for (const plot of plots) {
     for (const kind of ["svg", "csv"]) {
+      await page.waitForTimeout(110);  // Chromium drops what a page saves beyond ten files a second
       const [file] = await Promise.all([page.waitForEvent("download"), plot.locator(`[data-file=${kind}]`).click()]);
       const text = readFileSync(await file.path(), "utf8");
       if (kind === "csv") {
