@@ -118,15 +118,31 @@ void ProgramCache::drop_the_longest_unused() {
       programs_, {}, [](const auto& named) { return named.second.last_use; }));
 }
 
-void draw_fullscreen() {
+namespace {
+
+void draw_triangle() {
   // Core profile wants a vertex array even for a triangle that has no attributes.
   GLuint id = 0;
   glCreateVertexArrays(1, &id);
   const GlObject<delete_vertex_array> vertex_array(id);
   glBindVertexArray(id);
   glDisable(GL_DEPTH_TEST);
-  glDisable(GL_BLEND);
   glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+}  // namespace
+
+void draw_fullscreen() {
+  glDisable(GL_BLEND);
+  draw_triangle();
+}
+
+void add_fullscreen() {
+  glEnable(GL_BLEND);
+  glBlendEquation(GL_FUNC_ADD);
+  glBlendFunc(GL_ONE, GL_ONE);
+  draw_triangle();
+  glDisable(GL_BLEND);
 }
 
 }  // namespace occlab

@@ -84,6 +84,8 @@ class ProgramCache {
 
 /// Draws one triangle over the whole viewport with the program in use.
 void draw_fullscreen();
+/// The same, added to what the targets hold.
+void add_fullscreen();
 inline constexpr std::string_view fullscreen_vertex_shader = "renderers/gl/fullscreen.vert";
 
 }  // namespace occlab
