@@ -128,6 +128,21 @@ class Submitted(SlurmTest):
         self.assertEqual(len(self.cells()), 5)
 
 
+    def test_a_changed_experiment_begins_anew(self):
+        """A shard that was done before is not done because of that."""
+        self.finish(self.write("small.toml", SMALL_EXPERIMENT), shards=2)
+        changed = self.write("small.toml", SMALL_EXPERIMENT.replace("seeds = 2", "seeds = 3"))
+        # These tasks say nothing of themselves: what is there to read is of the other experiment.
+        held = self.submit(changed, "--slurm-option=--hold", shards=2)
+        self.assertEqual(held.returncode, 0, held.stderr)
+        self.cluster.run("scancel", "--me")
+        self.wait_for("end of the jobs", lambda: not self.cluster.queue())
+        finished = self.finish(changed, shards=2)
+        self.assertRegex(finished.stdout, r"^array job \d+: shards 1-2 of 2\n")
+        self.assertEqual(self.states(), ["rendered"] * 2)
+        self.equals_local_run(changed)
+
+
 class Disturbed(SlurmTest):
     def test_killed_tasks_are_submitted_again_and_render_what_is_missing(self):
         experiment = self.write("long.toml", LONG)
