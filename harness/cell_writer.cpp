@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "renderers/scene/parallel.h"
+
 namespace occlab {
 namespace {
 
@@ -9,8 +11,10 @@ constexpr std::size_t most_bytes = std::size_t(256) << 20;
 
 }  // namespace
 
-CellWriter::CellWriter(CellStore& store)
-    : store_(store), thread_([this](const std::stop_token& ended) { work(ended); }) {}
+CellWriter::CellWriter(CellStore& store) : store_(store) {
+  if (thread_count() == 1) return;
+  thread_ = std::jthread([this](const std::stop_token& ended) { work(ended); });
+}
 
 CellWriter::~CellWriter() {
   std::unique_lock lock(mutex_);
@@ -18,6 +22,10 @@ CellWriter::~CellWriter() {
 }
 
 void CellWriter::write(CellKey key, Layers layers, Metadata metadata, nlohmann::json extra) {
+  if (!thread_.joinable()) {
+    store_.write(key, layers, metadata, extra);
+    return;
+  }
   Job job{std::move(key), std::move(layers), std::move(metadata), std::move(extra)};
   for (const Layers::Layer& layer : job.layers.all()) {
     job.bytes += layer.image.values().size_bytes();

@@ -11,7 +11,8 @@
 
 namespace occlab {
 
-/// Stores cells on a thread of its own, so that rendering goes on while the disk is waited for.
+/// Stores cells on a thread of its own, so that rendering goes on while the disk is waited for; on
+/// the caller's where there is to be one thread (thread_count() of parallel.h).
 class CellWriter {
  public:
   explicit CellWriter(CellStore& store);
@@ -48,7 +49,7 @@ class CellWriter {
   std::deque<Job> jobs_;  ///< the first is being written
   std::size_t bytes_ = 0;
   std::exception_ptr failure_;
-  std::jthread thread_;  ///< last: it uses all of the above
+  std::jthread thread_;  ///< last: it uses all of the above; none: the caller stores
 };
 
 }  // namespace occlab
