@@ -180,6 +180,53 @@ TEST(PointLight, FallsOffWithTheSquareOfTheDistance) {
   }
 }
 
+TEST(PointLight, SsdoMarchesTowardItAsFarAsRMaxAndNoFarther) {
+  // [SSDO sec. 4] Screen-space shadows of a point light: samples on a segment of length r_max
+  // toward it. From behind the wall the lamp lights no floor; the march finds that out where the
+  // wall is within r_max along the segment, to a step and a pixel.
+  const double r_max = 0.9;
+  constexpr long steps = 64;
+  const glm::vec3 behind(-2.0f, 1.5f, 0.3f);
+  const Values values = {
+      {"filter", "none"}, {"steps", steps}, {"d_max_world", r_max}, {"bias_world", 1e-4}};
+  const View view = look_at({3, 2.5f, 1.5f}, {0.4f, 0, 0}, 0.5f, 64, 48);
+  const TestFrame blocked(floor_and_tall_wall(), view, black,
+                          {{.name = "lamp", .position_world = behind, .intensity = glm::vec3(5)}});
+  const Image irradiance = blocked.layer("ssdo", "irradiance", values);
+  int dark = 0, lit = 0;
+  for_each_surface(blocked, [&](int x, int y) {
+    const glm::vec3 p(view.camera.world_from_camera *
+                      glm::vec4(glm::vec3(pixel3(blocked.surface().position_view, x, y)), 1.0f));
+    if (p.y > 1e-3f || p.x < 0.05f) return;
+    const glm::dvec3 to_lamp = glm::dvec3(behind) - glm::dvec3(p);
+    const double to_wall = glm::length(to_lamp) * double(p.x) / double(p.x - behind.x);
+    const double E = double(irradiance.at(x, y));
+    if (to_wall < r_max * (1.0 - 1.0 / steps) - 0.03) {
+      EXPECT_EQ(E, 0.0) << x << " " << y;
+      ++dark;
+    } else if (to_wall > r_max) {
+      const double d = glm::length(to_lamp);
+      EXPECT_NEAR(E, 5.0 * to_lamp.y / (d * d * d), 1e-5) << x << " " << y;
+      ++lit;
+    }
+  });
+  EXPECT_GT(dark, 200);
+  EXPECT_GT(lit, 200);
+  // What is behind the lamp blocks nothing, however large r_max is.
+  const glm::vec3 before(0.3f, 0.6f, 0.0f);
+  const TestFrame open(floor_and_tall_wall(), view, black,
+                       {{.name = "lamp", .position_world = before, .intensity = glm::vec3(5)}});
+  Values far = values;
+  far[2].second = 5.0;
+  const Image unblocked = open.layer("ssdo", "irradiance", far);
+  for_each_surface(open, [&](int x, int y) {
+    const glm::vec3 p(view.camera.world_from_camera *
+                      glm::vec4(glm::vec3(pixel3(open.surface().position_view, x, y)), 1.0f));
+    if (p.y > 1e-3f || p.x < 0.05f) return;
+    EXPECT_GT(unblocked.at(x, y), 0.0f) << x << " " << y;
+  });
+}
+
 TEST(ThreeBoxes, ShadowsSwapColourWhenTheLightsSwap) {
   // The paper's Fig. 5. Light adds up: with A and B what either light of unit white gives, the
   // scene is A a + B b in its colours a, b, and A b + B a with them swapped.
