@@ -48,26 +48,12 @@ GpuScene::Draw upload(const Mesh& mesh) {
   return draw;
 }
 
-/// Perspective with the image's top row at texel row 0 (clip y points down).
-glm::mat4 clip_from_view(const View& view) {
-  const float near = view.camera.znear;
-  const float far = view.camera.zfar;
-  const float focal = view.focal_pixels();
-  glm::mat4 clip(0.0f);
-  clip[0][0] = 2.0f * focal / float(view.width);
-  clip[1][1] = -2.0f * focal / float(view.height);
-  clip[2][2] = -(far + near) / (far - near);
-  clip[2][3] = -1.0f;
-  clip[3][2] = -2.0f * far * near / (far - near);
-  return clip;
-}
-
 /// What a material does not need costs nothing: a shader that may discard tests depth late.
-const Program& surface_program(const Material& material, ProgramCache& programs) {
-  std::string defines;
+const Program& surface_program(std::string_view fragment_shader, std::string defines,
+                               const Material& material, ProgramCache& programs) {
   if (material.albedo_texture) defines += "#define TEXTURED\n";
   if (material.alpha_cutoff) defines += "#define MASKED\n";
-  return programs.get("renderers/gl/gbuffer.vert", "renderers/gl/gbuffer.frag", defines);
+  return programs.get("renderers/gl/gbuffer.vert", fragment_shader, defines);
 }
 
 void set_material(const Program& program, const Material& material, const GpuScene& gpu_scene) {
@@ -82,6 +68,7 @@ void set_material(const Program& program, const Material& material, const GpuSce
 }
 
 Image rgb_of(const Image& rgba) {
+  if (rgba.empty()) return {};
   Image rgb(rgba.width(), rgba.height(), 3);
   for (std::size_t p = 0; p < rgba.pixel_count(); ++p) {
     for (std::size_t c = 0; c < 3; ++c) rgb.values()[p * 3 + c] = rgba.values()[p * 4 + c];
@@ -102,6 +89,7 @@ Image unit_normals(Image normals) {
 
 /// A surface point that is not finite would send the ray tracer into an endless loop.
 void check_finite(const Image& image, const Image& mask, const char* what) {
+  if (image.empty()) return;
   for (int y = 0; y < mask.height(); ++y) {
     for (int x = 0; x < mask.width(); ++x) {
       if (mask.at(x, y) == 0.0f) continue;
@@ -116,6 +104,19 @@ void check_finite(const Image& image, const Image& mask, const char* what) {
 }
 
 }  // namespace
+
+glm::mat4 clip_from_view(const View& view) {
+  const float near = view.camera.znear;
+  const float far = view.camera.zfar;
+  const float focal = view.focal_pixels();
+  glm::mat4 clip(0.0f);
+  clip[0][0] = 2.0f * focal / float(view.width);
+  clip[1][1] = -2.0f * focal / float(view.height);
+  clip[2][2] = -(far + near) / (far - near);
+  clip[2][3] = -1.0f;
+  clip[3][2] = -2.0f * far * near / (far - near);
+  return clip;
+}
 
 void delete_vertex_array(GLuint id) { glDeleteVertexArrays(1, &id); }
 
@@ -133,9 +134,35 @@ GpuScene::GpuScene(const Scene& scene) {
   }
 }
 
-void draw_gbuffer(const Framebuffer& targets, const Scene& scene, const GpuScene& gpu_scene,
-                  const View& view, ProgramCache& programs) {
-  targets.bind();
+void draw_surfaces(const Scene& scene, const GpuScene& gpu_scene, const glm::mat4& view_from_world,
+                   const glm::mat4& clip_from_view, std::string_view fragment_shader,
+                   ProgramCache& programs, const SurfaceVariant& variant) {
+  const Program* program = nullptr;
+  for (const Instance& instance : scene.instances) {
+    const Mesh& mesh = scene.meshes[std::size_t(instance.mesh)];
+    const Material& material = scene.materials[std::size_t(mesh.material)];
+    const Program& needed = surface_program(fragment_shader, variant.defines, material, programs);
+    if (&needed != program) {
+      program = &needed;
+      program->use();
+      program->set("clip_from_view", clip_from_view);
+      if (variant.set) variant.set(*program);
+    }
+    const glm::mat4 view_from_object = view_from_world * instance.world_from_object;
+    program->set("view_from_object", view_from_object);
+    program->set("normal_from_object", glm::transpose(glm::inverse(glm::mat3(view_from_object))));
+    // Clip y points down, which turns triangles round; a mirrored instance turns them back.
+    const bool mirrored = glm::determinant(glm::mat3(view_from_object)) < 0.0f;
+    glFrontFace(mirrored ? GL_CCW : GL_CW);
+    set_material(*program, material, gpu_scene);
+    const GpuScene::Draw& draw = gpu_scene.draws()[std::size_t(instance.mesh)];
+    glBindVertexArray(draw.vertex_array.id());
+    glDrawElements(GL_TRIANGLES, draw.index_count, GL_UNSIGNED_INT, nullptr);
+  }
+  glFrontFace(GL_CCW);
+}
+
+void clear_for_surfaces() {
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LESS);
   glDepthMask(GL_TRUE);
@@ -143,26 +170,14 @@ void draw_gbuffer(const Framebuffer& targets, const Scene& scene, const GpuScene
   glDisable(GL_CULL_FACE);
   glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+}
 
-  const glm::mat4 view_from_world = view.view_from_world();
-  const Program* program = nullptr;
-  for (const Instance& instance : scene.instances) {
-    const Mesh& mesh = scene.meshes[std::size_t(instance.mesh)];
-    const Material& material = scene.materials[std::size_t(mesh.material)];
-    const Program& needed = surface_program(material, programs);
-    if (&needed != program) {
-      program = &needed;
-      program->use();
-      program->set("clip_from_view", clip_from_view(view));
-    }
-    const glm::mat4 view_from_object = view_from_world * instance.world_from_object;
-    program->set("view_from_object", view_from_object);
-    program->set("normal_from_object", glm::transpose(glm::inverse(glm::mat3(view_from_object))));
-    set_material(*program, material, gpu_scene);
-    const GpuScene::Draw& draw = gpu_scene.draws()[std::size_t(instance.mesh)];
-    glBindVertexArray(draw.vertex_array.id());
-    glDrawElements(GL_TRIANGLES, draw.index_count, GL_UNSIGNED_INT, nullptr);
-  }
+void draw_gbuffer(const Framebuffer& targets, const Scene& scene, const GpuScene& gpu_scene,
+                  const View& view, ProgramCache& programs) {
+  targets.bind();
+  clear_for_surfaces();
+  draw_surfaces(scene, gpu_scene, view.view_from_world(), clip_from_view(view), gbuffer_shader,
+                programs);
   check_gl("the G-buffer pass");
 }
 
@@ -175,22 +190,26 @@ GBuffer render_gbuffer(const Scene& scene, const GpuScene& gpu_scene, const View
   return gbuffer;
 }
 
-GBufferImages download(const GBuffer& gbuffer) {
-  const Image position = gbuffer.position_view().download();
+GBufferImages gbuffer_images(const Image& position, const Image& normal,
+                             const Image& geometric_normal, const Image& albedo, GLenum format) {
   Image mask(position.width(), position.height(), 1);
   for (std::size_t p = 0; p < mask.pixel_count(); ++p) {
     mask.values()[p] = position.values()[p * 4 + 3];
   }
-  const bool half = gbuffer.normal_view().format() == GL_RGBA16F;
-  Image normals = rgb_of(gbuffer.normal_view().download());
+  Image normals = rgb_of(normal);
   GBufferImages images{rgb_of(position),
-                       half ? unit_normals(std::move(normals)) : std::move(normals),
-                       rgb_of(gbuffer.geometric_normal_view().download()),
-                       rgb_of(gbuffer.albedo().download()), std::move(mask)};
+                       format == GL_RGBA16F ? unit_normals(std::move(normals)) : std::move(normals),
+                       rgb_of(geometric_normal), rgb_of(albedo), std::move(mask)};
   check_finite(images.position_view, images.mask, "position");
   check_finite(images.normal_view, images.mask, "normal");
   check_finite(images.geometric_normal_view, images.mask, "geometric normal");
   return images;
+}
+
+GBufferImages download(const GBuffer& gbuffer) {
+  return gbuffer_images(gbuffer.position_view().download(), gbuffer.normal_view().download(),
+                        gbuffer.geometric_normal_view().download(), gbuffer.albedo().download(),
+                        gbuffer.normal_view().format());
 }
 
 }  // namespace occlab

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <functional>
+#include <glm/glm.hpp>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "renderers/gl/program.h"
@@ -47,6 +51,27 @@ struct GBuffer {
   const Texture& albedo() const { return targets.colors()[3]; }
 };
 
+inline constexpr std::string_view gbuffer_shader = "renderers/gl/gbuffer.frag";
+
+/// How a pass differs from others with its fragment shader.
+struct SurfaceVariant {
+  std::string defines = {};
+  std::function<void(const Program&)> set = {};  ///< uniforms and textures that these ask for
+};
+
+/// Draws the scene's surfaces into the framebuffer that is bound, with gbuffer.vert and a fragment
+/// shader that takes what that gives. Depth test, blending and culling are as they stand.
+/// gl_FrontFacing is true where triangles are counter-clockwise.
+void draw_surfaces(const Scene& scene, const GpuScene& gpu_scene, const glm::mat4& view_from_world,
+                   const glm::mat4& clip_from_view, std::string_view fragment_shader,
+                   ProgramCache& programs, const SurfaceVariant& variant = {});
+
+/// Clears the framebuffer that is bound; tests depth, and blends and culls nothing.
+void clear_for_surfaces();
+
+/// The view's perspective with the image's top row at texel row 0 (clip y points down).
+glm::mat4 clip_from_view(const View& view);
+
 /// Draws the scene into a G-buffer's targets.
 void draw_gbuffer(const Framebuffer& targets, const Scene& scene, const GpuScene& gpu_scene,
                   const View& view, ProgramCache& programs);
@@ -64,5 +89,11 @@ struct GBufferImages {
   Image mask;
 };
 GBufferImages download(const GBuffer& gbuffer);
+
+/// The same of targets read back, each with 4 channels or empty; `format` is that of the normals.
+/// Throws DeviceError where a surface's
+/// position or normal is not finite.
+GBufferImages gbuffer_images(const Image& position, const Image& normal,
+                             const Image& geometric_normal, const Image& albedo, GLenum format);
 
 }  // namespace occlab

@@ -33,6 +33,20 @@ std::vector<float> rgba(const Image& image) {
   return values;
 }
 
+void set_draw_buffers(GLuint framebuffer, std::size_t count) {
+  std::vector<GLenum> attachments;
+  for (GLenum i = 0; i < count; ++i) attachments.push_back(GL_COLOR_ATTACHMENT0 + i);
+  glNamedFramebufferDrawBuffers(framebuffer, GLsizei(count), attachments.data());
+}
+
+void check_complete(GLuint framebuffer, int width, int height) {
+  const GLenum status = glCheckNamedFramebufferStatus(framebuffer, GL_FRAMEBUFFER);
+  if (status != GL_FRAMEBUFFER_COMPLETE) {
+    throw DeviceError(
+        fmt::format("OpenGL refuses a {}x{} framebuffer: status 0x{:04x}", width, height, status));
+  }
+}
+
 }  // namespace
 
 void delete_texture(GLuint id) { glDeleteTextures(1, &id); }
@@ -46,6 +60,18 @@ Texture::Texture(int width, int height, GLenum internal_format)
       format_(internal_format) {
   glTextureStorage2D(id(), 1, internal_format, width, height);
   check_gl("allocating a texture");
+}
+
+Texture Texture::array(int width, int height, int layers, GLenum internal_format) {
+  Texture texture;
+  texture.object_ =
+      GlObject<delete_texture>(create_texture(GL_TEXTURE_2D_ARRAY, GL_NEAREST, GL_CLAMP_TO_EDGE));
+  texture.width_ = width;
+  texture.height_ = height;
+  texture.format_ = internal_format;
+  glTextureStorage3D(texture.id(), 1, internal_format, width, height, layers);
+  check_gl("allocating a texture array");
+  return texture;
 }
 
 Texture Texture::from_image(const Image& image) {
@@ -92,6 +118,21 @@ Image Texture::download() const {
   return image;
 }
 
+glm::vec4 Texture::texel(int x, int y) const {
+  glm::vec4 value;
+  glGetTextureSubImage(id(), 0, x, y, 0, 1, 1, 1, GL_RGBA, GL_FLOAT, sizeof(value), &value);
+  check_gl("reading a texel back");
+  return value;
+}
+
+Image Texture::download_layer(int layer) const {
+  Image image(width_, height_, 4);
+  glGetTextureSubImage(id(), 0, 0, 0, layer, width_, height_, 1, GL_RGBA, GL_FLOAT,
+                       GLsizei(image.values().size_bytes()), image.values().data());
+  check_gl("reading a layer of a texture back");
+  return image;
+}
+
 std::vector<std::uint32_t> Texture::download_integers() const {
   std::vector<std::uint32_t> values(std::size_t(width_) * std::size_t(height_) * 4);
   glGetTextureImage(id(), 0, GL_RGBA_INTEGER, GL_UNSIGNED_INT,
@@ -104,27 +145,41 @@ Framebuffer::Framebuffer(int width, int height, std::span<const GLenum> color_fo
   GLuint id = 0;
   glCreateFramebuffers(1, &id);
   object_ = GlObject<delete_framebuffer>(id);
-  std::vector<GLenum> attachments;
   for (const GLenum format : color_formats) {
+    const auto attachment = GLenum(GL_COLOR_ATTACHMENT0 + colors_.size());
     colors_.emplace_back(width, height, format);
-    attachments.push_back(GL_COLOR_ATTACHMENT0 + GLenum(attachments.size()));
-    glNamedFramebufferTexture(id, attachments.back(), colors_.back().id(), 0);
+    glNamedFramebufferTexture(id, attachment, colors_.back().id(), 0);
   }
   if (depth) {
     depth_ = Texture(width, height, GL_DEPTH_COMPONENT32F);
     glNamedFramebufferTexture(id, GL_DEPTH_ATTACHMENT, depth_.id(), 0);
   }
-  glNamedFramebufferDrawBuffers(id, GLsizei(attachments.size()), attachments.data());
-  const GLenum status = glCheckNamedFramebufferStatus(id, GL_FRAMEBUFFER);
-  if (status != GL_FRAMEBUFFER_COMPLETE) {
-    throw DeviceError(
-        fmt::format("OpenGL refuses a {}x{} framebuffer: status 0x{:04x}", width, height, status));
-  }
+  set_draw_buffers(id, colors_.size());
+  check_complete(id, width, height);
 }
 
 void Framebuffer::bind() const {
   glBindFramebuffer(GL_FRAMEBUFFER, object_.id());
   glViewport(0, 0, colors_.front().width(), colors_.front().height());
+}
+
+LayerFramebuffer::LayerFramebuffer(std::span<const Texture* const> arrays, int layer,
+                                   const Texture* depth)
+    : width_(arrays.front()->width()), height_(arrays.front()->height()) {
+  GLuint id = 0;
+  glCreateFramebuffers(1, &id);
+  object_ = GlObject<delete_framebuffer>(id);
+  for (std::size_t i = 0; i < arrays.size(); ++i) {
+    glNamedFramebufferTextureLayer(id, GLenum(GL_COLOR_ATTACHMENT0 + i), arrays[i]->id(), 0, layer);
+  }
+  if (depth) glNamedFramebufferTexture(id, GL_DEPTH_ATTACHMENT, depth->id(), 0);
+  set_draw_buffers(id, arrays.size());
+  check_complete(id, width_, height_);
+}
+
+void LayerFramebuffer::bind() const {
+  glBindFramebuffer(GL_FRAMEBUFFER, object_.id());
+  glViewport(0, 0, width_, height_);
 }
 
 Buffer::Buffer(const void* data, std::size_t bytes) {

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <span>
 #include <utility>
 #include <vector>
@@ -56,6 +57,8 @@ class Texture {
  public:
   Texture() = default;
   Texture(int width, int height, GLenum internal_format);
+  /// A 2-D array of that many layers.
+  static Texture array(int width, int height, int layers, GLenum internal_format);
 
   /// RGBA32F from an image of 1 to 4 channels; missing channels are 0, missing alpha 1.
   static Texture from_image(const Image& image);
@@ -74,6 +77,10 @@ class Texture {
 
   /// Reads a float or normalised format back as 4 channels.
   Image download() const;
+  /// One texel of the same.
+  glm::vec4 texel(int x, int y) const;
+  /// The same of one layer of an array.
+  Image download_layer(int layer) const;
   /// Reads an RGBA32UI texture back, 4 values a texel.
   std::vector<std::uint32_t> download_integers() const;
 
@@ -91,11 +98,26 @@ class Framebuffer {
 
   void bind() const;  ///< and sets the viewport
   const std::vector<Texture>& colors() const { return colors_; }
+  const Texture& depth() const { return depth_; }
 
  private:
   GlObject<delete_framebuffer> object_;
   std::vector<Texture> colors_;
   Texture depth_;
+};
+
+/// One layer of texture arrays of one size as colour targets, in their order; `depth` may be null.
+/// The textures outlive it.
+class LayerFramebuffer {
+ public:
+  LayerFramebuffer(std::span<const Texture* const> arrays, int layer, const Texture* depth);
+
+  void bind() const;  ///< and sets the viewport
+
+ private:
+  GlObject<delete_framebuffer> object_;
+  int width_ = 0;
+  int height_ = 0;
 };
 
 /// A buffer that is written once.

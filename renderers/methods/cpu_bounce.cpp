@@ -23,9 +23,17 @@ using Senders = std::array<Sender, lane_count>;
 /// What the march through the depth buffer meets.
 class DepthSenders {
  public:
-  DepthSenders(const GBufferImages& surface, const Image& lit, const View& view,
-               const PassConstants& constants)
-      : surface_(surface), lit_(lit), march_(surface, view, constants), constants_(constants) {}
+  DepthSenders(const Frame& frame, const ParameterSet& parameters, std::span<const Image> lit)
+      : lit_(lit),
+        march_(depth_march(frame, parameters)),
+        d_max_world_(parameters.real32("d_max_world")) {
+    surfaces_.push_back(&frame.surface(gbuffer_bits(parameters)));
+    if (const std::optional<HiddenSettings> settings = hidden_settings(parameters)) {
+      for (const GBufferImages& images : frame.hidden_images(*settings).images) {
+        surfaces_.push_back(&images);
+      }
+    }
+  }
 
   Senders toward(const PixelGroup& group, glm::vec3 direction_tangent, float xi) const {
     const Lanes3 direction = out_of(group.frame, direction_tangent);
@@ -33,24 +41,25 @@ class DepthSenders {
     for (int i = 0; i < lane_count; ++i) {
       if (!group.active[i]) continue;
       const ShadedPoint point = group.point(i);
-      const DepthMarch::Result hit =
-          march_.march(point, at(direction, i), xi, constants_.d_max_world);
+      const DepthMarch::Result hit = march_.march(point, at(direction, i), xi, d_max_world_);
       if (!hit.blocked) continue;
-      senders[std::size_t(i)] = {
-          .share = 1.0f - hit.visibility,
-          .to_sender = vec3_at(surface_.position_view, hit.pixel) - point.position,
-          .normal = vec3_at(surface_.normal_view, hit.pixel),
-          .albedo = vec3_at(surface_.albedo, hit.pixel),
-          .lit = lit_.empty() ? glm::vec3(0.0f) : vec3_at(lit_, hit.pixel)};
+      const GBufferImages& surface = *surfaces_[std::size_t(hit.source)];
+      senders[std::size_t(i)] = {.share = 1.0f - hit.visibility,
+                                 .to_sender = hit.to_surface,
+                                 .normal = vec3_at(surface.normal_view, hit.pixel),
+                                 .albedo = vec3_at(surface.albedo, hit.pixel),
+                                 .lit = lit_.empty()
+                                            ? glm::vec3(0.0f)
+                                            : vec3_at(lit_[std::size_t(hit.source)], hit.pixel)};
     }
     return senders;
   }
 
  private:
-  const GBufferImages& surface_;
-  const Image& lit_;
+  std::vector<const GBufferImages*> surfaces_;  ///< the first, then the hidden ones
+  std::span<const Image> lit_;
   DepthMarch march_;
-  PassConstants constants_;
+  float d_max_world_;
 };
 
 /// What rays through the whole scene meet.
@@ -95,10 +104,11 @@ class TracedSenders {
 
 using SenderSource = std::variant<DepthSenders, TracedSenders>;
 
-SenderSource sender_source(const Frame& frame, const ParameterSet& parameters, const Image& lit) {
+SenderSource sender_source(const Frame& frame, const ParameterSet& parameters,
+                           std::span<const Image> lit) {
   const PassConstants constants = pass_constants(parameters);
   if (traces(parameters)) return TracedSenders(frame, constants);
-  return DepthSenders(frame.surface(gbuffer_bits(parameters)), lit, frame.view, constants);
+  return DepthSenders(frame, parameters, lit);
 }
 
 /// f, as bounce.glsl has it.
@@ -126,7 +136,7 @@ class FormFactor {
 }  // namespace
 
 Image bounce_on_cpu(const Frame& frame, const ParameterSet& parameters, const Bounce& bounce,
-                    const Image& lit) {
+                    std::span<const Image> lit) {
   const GBufferImages& surface = frame.surface(gbuffer_bits(parameters));
   const PassConstants constants = pass_constants(parameters);
   const SampleSet samples =

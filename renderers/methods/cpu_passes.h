@@ -48,9 +48,6 @@ Image filter_on_cpu(const Image& values, const GBufferImages& surface,
 Image light_on_cpu(const Representation& representation, const Image& values,
                    const GBufferImages& surface, const CpuLighting& lighting);
 
-/// The G-buffer that the parameters ask for (`gbuffer_bits`).
-GBufferBits gbuffer_bits(const ParameterSet& parameters);
-
 /// What a method's passes hold before its lighting.
 struct PassValues {
   Image representation;  ///< with the bounce, where that is added to it

@@ -215,7 +215,7 @@ Failures classify_failures(const GBufferImages& surface, const View& view,
                            const PassConstants& constants, const Convergence& convergence) {
   const auto start = std::chrono::steady_clock::now();
   const CpuLighting light(lighting, constants);
-  const DepthMarch march(surface, view, constants);
+  const DepthMarch march(surface, nullptr, view, constants);
   const Inputs in{surface, view, traced, light, constants};
   std::array<ClassSums, 2> halves = {ClassSums(surface.mask), ClassSums(surface.mask)};
   Failures result;

@@ -2,10 +2,12 @@
 
 #include <array>
 #include <functional>
+#include <list>
 #include <optional>
 #include <string_view>
 
 #include "renderers/gl/gbuffer.h"
+#include "renderers/gl/hidden_surfaces.h"
 #include "renderers/methods/lighting.h"
 #include "renderers/trace/traced_scene.h"
 
@@ -28,11 +30,21 @@ struct Frame {
   /// A G-buffer read back.
   const GBufferImages& surface(GBufferBits bits = GBufferBits::float32) const;
   const TracedScene& traced() const;
+  /// Surfaces beside the first, drawn. Good until `most_hidden` others were asked for.
+  const HiddenSurfaces& hidden(const HiddenSettings& settings) const;
+  /// The same read back.
+  const HiddenImages& hidden_images(const HiddenSettings& settings) const;
 
+  static constexpr std::size_t most_hidden = 4;
+  struct MadeHidden {
+    HiddenSurfaces surfaces;
+    std::optional<HiddenImages> images;
+  };
   struct Made {
     std::array<std::optional<GBuffer>, 2> gbuffers;
     std::array<std::optional<GBufferImages>, 2> surfaces;
     std::optional<TracedScene> traced;
+    std::list<MadeHidden> hidden = {};  ///< what was asked for last first
   };
   mutable Made made{};
 };

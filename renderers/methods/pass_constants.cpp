@@ -33,9 +33,20 @@ std::vector<Parameter> sample_parameters() {
 
 std::vector<Parameter> march_parameters() {
   std::vector<Parameter> parameters = {
-      choice_parameter("visibility", {"depth", "traced"},
+      choice_parameter("visibility", {"depth", "peeled", "multiview", "traced"},
                        "what tells whether a direction is blocked: the march through the depth "
-                       "buffer, or rays through the whole scene, on the CPU"),
+                       "buffer, through several layers of it, or through those of several cameras "
+                       "[SSDO sec. 4]; or rays through the whole scene, on the CPU"),
+      integer_parameter("layers", 2, 2, 8, "",
+                        "peeled: depth layers, each two of which are the front and back of a solid "
+                        "[SSDO sec. 4]"),
+      integer_parameter("cameras", 4, 1, 8, "", "multiview: cameras beside the view's own"),
+      real_parameter("camera_offset", 1.0, 1e-3, 100.0, "bounding radii",
+                     "multiview: from the view's camera to the others; of the scene's bounding "
+                     "sphere [SSDO sec. 4]"),
+      real_parameter("camera_scale", 0.5, 0.05, 2.0, "",
+                     "multiview: their width and height, as a share of the view's; unstated in the "
+                     "paper [SSDO sec. 4]"),
       integer_parameter("steps", 2, 1, 64, "", "S, march steps a direction [S3HO sec. 4]"),
       real_parameter("d_max_world", 1.0, 1e-6, 1e6, "scene units",
                      "farthest blocker that counts [S3HO eq. 2]; unstated in the paper"),
@@ -46,7 +57,8 @@ std::vector<Parameter> march_parameters() {
       choice_parameter("gbuffer_bits", {"32", "16"},
                        "float size of positions and normals; the paper has 16 [S3HO sec. 3]"),
   };
-  parameters.front().in_shaders = false;  // only the CPU chooses between the sources
+  // Only the CPU chooses between the sources; shaders hear of what they have to look up.
+  for (std::size_t i = 0; i < 5; ++i) parameters[i].in_shaders = false;
   return of_factor(Factor::visibility, parameters);
 }
 
@@ -102,6 +114,28 @@ std::vector<Parameter> bounce_parameters(const std::string& form_factor) {
 
 bool filters(const ParameterSet& parameters) { return parameters.choice("filter") != "none"; }
 bool traces(const ParameterSet& parameters) { return parameters.choice("visibility") == "traced"; }
+
+GBufferBits gbuffer_bits(const ParameterSet& parameters) {
+  return parameters.choice("gbuffer_bits") == "32" ? GBufferBits::float32 : GBufferBits::float16;
+}
+
+std::optional<HiddenSettings> hidden_settings(const ParameterSet& parameters) {
+  const std::string& source = parameters.choice("visibility");
+  HiddenSettings settings;
+  settings.bits = gbuffer_bits(parameters);
+  settings.complete = parameters.has("form_factor");
+  if (source == "peeled") {
+    settings.kind = HiddenKind::layers;
+    settings.count = int(parameters.integer("layers")) - 1;
+    return settings;
+  }
+  if (source != "multiview") return std::nullopt;
+  settings.kind = HiddenKind::cameras;
+  settings.count = int(parameters.integer("cameras"));
+  settings.camera_offset = parameters.real32("camera_offset");
+  settings.camera_scale = parameters.real32("camera_scale");
+  return settings;
+}
 
 int choice_index(const ParameterSet& parameters, std::string_view name) {
   const auto parameter = std::ranges::find(parameters.declared(), name, &Parameter::name);

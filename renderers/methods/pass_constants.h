@@ -1,7 +1,9 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
+#include "renderers/gl/hidden_surfaces.h"
 #include "renderers/methods/parameters.h"
 #include "renderers/trace/packet_visibility.h"
 
@@ -47,6 +49,13 @@ int whole_filter_power(const PassConstants& constants);
 /// Whether the representation is filtered, and whether its visibility is traced.
 bool filters(const ParameterSet& parameters);
 bool traces(const ParameterSet& parameters);
+
+/// The G-buffer that the parameters ask for (`gbuffer_bits`).
+GBufferBits gbuffer_bits(const ParameterSet& parameters);
+
+/// What the march has beside the first surfaces; none where `visibility` asks for nothing more.
+/// Complete where there is a bounce.
+std::optional<HiddenSettings> hidden_settings(const ParameterSet& parameters);
 
 /// The index of a choice's word in the declared order, as the shaders have it.
 int choice_index(const ParameterSet& parameters, std::string_view name);

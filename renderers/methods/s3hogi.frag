@@ -8,8 +8,8 @@ ShBounce bounce;
 float sample_visibility(vec3 p, vec3 n, vec3 s, float xi, float cosine) {
   Sender sender;
   float V = march_to_sender(p, n, s, xi, d_max_world, sender);
-  vec3 n_sender = normal_at(sender.pixel);
-  vec3 rho = texelFetch(albedo_map, sender.pixel, 0).rgb;
+  vec3 n_sender = normal_of(sender);
+  vec3 rho = albedo_of(sender);
   float f = weighted_form_factor(sender, n, n_sender, cosine);
   sh_bounce_accumulate(bounce, n_sender, f / pi * rho);
   return V;

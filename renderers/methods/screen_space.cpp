@@ -8,6 +8,7 @@
 #include "renderers/methods/cpu_bounce.h"
 #include "renderers/methods/cpu_passes.h"
 #include "renderers/methods/frame.h"
+#include "renderers/methods/hidden_facts.h"
 #include "renderers/methods/representation_layers.h"
 #include "renderers/methods/sample_set.h"
 #include "renderers/methods/sample_shader.h"
@@ -24,7 +25,10 @@ enum TextureUnit : GLuint {
   unit_albedo,
   unit_probe,
   unit_cones,
-  unit_input
+  unit_input,
+  unit_hidden_position = 11,
+  unit_hidden_normal,
+  unit_hidden_albedo,
 };
 enum BufferBinding : GLuint { binding_samples, binding_lights, binding_sh };
 
@@ -42,14 +46,42 @@ std::string preamble(const Frame& frame, const ParameterSet& parameters,
       frame.lighting.lights().size(), formats.size(), formats.front() == GL_RGBA32UI ? 1 : 0);
 }
 
+/// What the march looks up beside the first surfaces.
+std::string hidden_preamble(const std::optional<HiddenSettings>& settings) {
+  if (!settings) return {};
+  return fmt::format("#define HIDDEN_{} {}\n",
+                     settings->kind == HiddenKind::layers ? "LAYERS" : "CAMERAS", settings->count);
+}
+
+void hand_over(const HiddenSurfaces& hidden, const Program& program) {
+  Program::bind_texture(unit_hidden_position, hidden.position_view());
+  if (hidden.settings().complete) {
+    Program::bind_texture(unit_hidden_normal, hidden.normal_view());
+    Program::bind_texture(unit_hidden_albedo, hidden.albedo());
+  }
+  const std::vector<HiddenCamera>& cameras = hidden.cameras();
+  if (cameras.empty()) return;
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    program.set(fmt::format("camera_from_view[{}]", i).c_str(), cameras[i].camera_from_view);
+  }
+  const View& view = cameras.front().view;
+  program.set("camera_center", 0.5f * glm::vec2(view.width, view.height));
+  program.set("camera_focal_pixels", view.focal_pixels());
+}
+
 /// Uses the program and hands it what every pass may read.
-void use_program(const Frame& frame, const ParameterSet& parameters, const std::string& shader,
-                 const ScreenSpacePasses& passes, const std::string& own_preamble = {}) {
-  const Program& program = frame.programs.get(fullscreen_vertex_shader, shader,
-                                              preamble(frame, parameters, passes) + own_preamble);
-  // Before use(): the first call draws the G-buffer with a program of its own.
+const Program& use_program(const Frame& frame, const ParameterSet& parameters,
+                           const std::string& shader, const ScreenSpacePasses& passes,
+                           const std::string& own_preamble = {}) {
+  // Before use(): the first calls draw with programs of their own.
   const GBuffer& gbuffer = frame.gbuffer(gbuffer_bits(parameters));
+  const std::optional<HiddenSettings> settings = hidden_settings(parameters);
+  const HiddenSurfaces* const hidden = settings ? &frame.hidden(*settings) : nullptr;
+  const Program& program = frame.programs.get(
+      fullscreen_vertex_shader, shader,
+      preamble(frame, parameters, passes) + hidden_preamble(settings) + own_preamble);
   program.use();
+  if (hidden) hand_over(*hidden, program);
   for (const Parameter& parameter : parameters.declared()) {
     if (parameter.kind == ParameterKind::real) {
       program.set(parameter.name.c_str(), parameters.real32(parameter.name));
@@ -68,6 +100,16 @@ void use_program(const Frame& frame, const ParameterSet& parameters, const std::
   Program::bind_texture(unit_cones, frame.lighting.cone_texture());
   Program::bind_uniform_buffer(binding_lights, frame.lighting.light_buffer());
   Program::bind_uniform_buffer(binding_sh, frame.lighting.sh_buffer());
+  return program;
+}
+
+/// The sets' turns and the directions, as SampleBlock has them.
+Buffer sample_block(const ParameterSet& parameters) {
+  const SampleSet samples = make_sample_set(int(parameters.integer("samples")),
+                                            std::uint64_t(parameters.integer("seed")));
+  std::vector<glm::vec4> block(samples.sets.begin(), samples.sets.end());
+  block.insert(block.end(), samples.directions.begin(), samples.directions.end());
+  return {block.data(), block.size() * sizeof(glm::vec4)};
 }
 
 /// Returns the unit after the last one.
@@ -112,16 +154,14 @@ void ScreenSpaceMethod::prepare(const Frame& frame) {
 void ScreenSpaceMethod::run_samples(const Frame& frame, const ParameterSet& parameters,
                                     const std::string& shader, const std::string& preamble,
                                     const Framebuffer& target, std::string_view pass) {
-  const SampleSet samples = make_sample_set(int(parameters.integer("samples")),
-                                            std::uint64_t(parameters.integer("seed")));
-  std::vector<glm::vec4> block(samples.sets.begin(), samples.sets.end());
-  block.insert(block.end(), samples.directions.begin(), samples.directions.end());
-  const Buffer sample_buffer(block.data(), block.size() * sizeof(glm::vec4));
+  const Buffer samples = sample_block(parameters);
   use_program(frame, parameters, shader, passes_, preamble);
   if (shader == passes_.bounce_shader) {
-    Program::bind_texture(bind_inputs(*representation_), radiance_->colors().front());
+    const GLuint unit = bind_inputs(*representation_);
+    Program::bind_texture(unit, radiance_->colors().front());
+    if (hidden_settings(parameters)) Program::bind_texture(unit + 1, lit_hidden_->radiance);
   }
-  Program::bind_uniform_buffer(binding_samples, sample_buffer);
+  Program::bind_uniform_buffer(binding_samples, samples);
   target.bind();
   frame.clock(pass, draw_fullscreen);
 }
@@ -144,7 +184,49 @@ void ScreenSpaceMethod::run_occlusion(const Frame& frame, const ParameterSet& pa
   });
 }
 
+ScreenSpaceMethod::LitHidden::LitHidden(const HiddenSurfaces& hidden,
+                                        std::span<const GLenum> representation_formats)
+    : representation(hidden.width(), hidden.height(), representation_formats, false),
+      radiance(
+          Texture::array(hidden.width(), hidden.height(), hidden.settings().count, GL_RGBA32F)) {
+  const Texture* const array = &radiance;
+  for (int i = 0; i < hidden.settings().count; ++i) {
+    targets.emplace_back(std::span(&array, 1), i, nullptr);
+  }
+}
+
+bool ScreenSpaceMethod::LitHidden::fits(const HiddenSurfaces& hidden) const {
+  return radiance.width() == hidden.width() && radiance.height() == hidden.height() &&
+         int(targets.size()) == hidden.settings().count;
+}
+
+/// The first pass over the hidden surfaces, each of them the receiver.
+void ScreenSpaceMethod::light_hidden(const Frame& frame, const ParameterSet& parameters,
+                                     const HiddenSettings& settings) {
+  const HiddenSurfaces& hidden = frame.hidden(settings);
+  if (!lit_hidden_ || !lit_hidden_->fits(hidden)) {
+    lit_hidden_.emplace(hidden, passes_.representation_formats);
+  }
+  const Buffer samples = sample_block(parameters);
+  const auto run = [&](const std::string& shader, int receiver) {
+    use_program(frame, parameters, shader, passes_, "#define HIDDEN_RECEIVER\n")
+        .set("receiver", receiver);
+    Program::bind_uniform_buffer(binding_samples, samples);
+    draw_fullscreen();
+  };
+  frame.clock("hidden_senders", [&] {
+    for (int i = 0; i < settings.count; ++i) {
+      lit_hidden_->representation.bind();
+      run(passes_.occlusion_shader, i);
+      bind_inputs(lit_hidden_->representation);
+      lit_hidden_->targets[std::size_t(i)].bind();
+      run(passes_.direct_lighting_shader, i);
+    }
+  });
+}
+
 void ScreenSpaceMethod::run_bounce(const Frame& frame, const ParameterSet& parameters) {
+  if (const auto hidden = hidden_settings(parameters)) light_hidden(frame, parameters, *hidden);
   run_lighting(frame, parameters, passes_.direct_lighting_shader, *representation_, "senders");
   run_samples(frame, parameters, passes_.bounce_shader, {}, *bounced_, "bounce");
 }
@@ -166,8 +248,24 @@ void ScreenSpaceMethod::run_lighting(const Frame& frame, const ParameterSet& par
   frame.clock(pass, draw_fullscreen);
 }
 
+namespace {
+
+/// Once more for every frame, as a renderer whose scene moves has to.
+void draw_hidden(const Frame& frame, const ParameterSet& parameters) {
+  const std::optional<HiddenSettings> settings = hidden_settings(parameters);
+  if (!settings) return;
+  const HiddenSurfaces& hidden = frame.hidden(*settings);
+  const GBuffer& first = frame.gbuffer(settings->bits);
+  frame.clock(settings->kind == HiddenKind::layers ? "layers" : "cameras", [&] {
+    hidden.draw(frame.scene, frame.gpu_scene, frame.view, first, frame.programs);
+  });
+}
+
+}  // namespace
+
 void ScreenSpaceMethod::render(const Frame& frame, const ParameterSet& parameters) {
   prepare(frame);
+  draw_hidden(frame, parameters);
   run_occlusion(frame, parameters);
   if (bounced_) run_bounce(frame, parameters);
   if (filters(parameters)) run_filter(frame, parameters, collected());
@@ -205,6 +303,7 @@ Layers ScreenSpaceMethod::evaluate(const Frame& frame, const ParameterSet& param
   const Image radiance = read_radiance(*radiance_);
   layers.add("radiance", clamp_negative(radiance, negative_pixels));
   facts["negative_pixels"] = std::to_string(negative_pixels);
+  if (const auto hidden = hidden_settings(parameters)) add_hidden_facts(frame, *hidden, facts);
   if (passes_.add_facts && !traces(parameters)) passes_.add_facts(parameters, facts);
   const Representation& representation = *passes_.representation;
   representation.add_layers(representation.download(filters(parameters) ? *filtered_ : collected(),

@@ -35,19 +35,32 @@ uniform float focal_pixels;
 uniform vec2 image_center;
 uniform mat3 probe_from_view;
 
-// The shading normal, unit; stored as halves it is up to 2^-10 off that.
-vec3 normal_at(ivec2 pixel) {
-  vec3 n = texelFetch(normal_view, pixel, 0).xyz;
+// A normal as it is stored, unit; as halves it is up to 2^-10 off that.
+vec3 stored_normal(vec3 n) {
 #if PARAMETER_gbuffer_bits == GBUFFER_BITS_16
   n = n / sqrt(dot(n, n));
 #endif
   return n;
 }
 
+// The shading normal.
+vec3 normal_at(ivec2 pixel) { return stored_normal(texelFetch(normal_view, pixel, 0).xyz); }
+
 vec4 pixel_sample_set() {
   ivec2 pixel = ivec2(gl_FragCoord.xy) & 3;
   return sample_set[pixel.x + 4 * pixel.y];
 }
+
+#if defined(HIDDEN_LAYERS) || defined(HIDDEN_CAMERAS)
+#define HIDDEN_SURFACES
+#include "renderers/methods/hidden_march.glsl"
+
+// As below, through what is hidden too.
+float march_visibility(vec3 p, vec3 n, vec3 s, float xi, float reach) {
+  return visibility_behind(first_blocker(p, n, s, xi, reach));
+}
+
+#else
 
 // The first surface seen through the pixel that q falls into; w = 0 where that is background or off
 // the screen.
@@ -73,6 +86,26 @@ float march_visibility(vec3 p, vec3 n, vec3 s, float xi, float reach) {
   }
   return visibility;
 }
+
+#endif
+
+// The surface that a pass of direct light shades: the first one, or, as a sender, a hidden one.
+#ifdef HIDDEN_RECEIVER
+uniform int receiver;  // layer of the arrays
+vec4 receiver_position(ivec2 pixel) {
+  return texelFetch(hidden_position, ivec3(pixel, receiver), 0);
+}
+vec3 receiver_normal(ivec2 pixel) {
+  return stored_normal(texelFetch(hidden_normal, ivec3(pixel, receiver), 0).xyz);
+}
+vec3 receiver_albedo(ivec2 pixel) {
+  return texelFetch(hidden_albedo, ivec3(pixel, receiver), 0).rgb;
+}
+#else
+vec4 receiver_position(ivec2 pixel) { return texelFetch(position_view, pixel, 0); }
+vec3 receiver_normal(ivec2 pixel) { return normal_at(pixel); }
+vec3 receiver_albedo(ivec2 pixel) { return texelFetch(albedo_map, pixel, 0).rgb; }
+#endif
 
 // The probe's radiance from direction s: the nearest texel.
 vec3 probe_radiance(vec3 s) {

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -51,6 +52,8 @@ class ScreenSpaceMethod final : public OcclusionMethod {
                    const std::string& preamble, const Framebuffer& target, std::string_view pass);
   void run_occlusion(const Frame& frame, const ParameterSet& parameters);
   void run_bounce(const Frame& frame, const ParameterSet& parameters);
+  void light_hidden(const Frame& frame, const ParameterSet& parameters,
+                    const HiddenSettings& settings);
   void run_filter(const Frame& frame, const ParameterSet& parameters,
                   const Framebuffer& representation);
   void run_lighting(const Frame& frame, const ParameterSet& parameters, const std::string& shader,
@@ -65,6 +68,15 @@ class ScreenSpaceMethod final : public OcclusionMethod {
   ScreenSpacePasses passes_;
   std::optional<Framebuffer> representation_;
   std::optional<Framebuffer> bounced_;  ///< only where a bounce has a pass of its own
+  /// The direct light of hidden surfaces, which send it: a layer each.
+  struct LitHidden {
+    LitHidden(const HiddenSurfaces& hidden, std::span<const GLenum> representation_formats);
+    Framebuffer representation;  ///< of one after the other
+    Texture radiance;
+    std::vector<LayerFramebuffer> targets;  ///< the layers of `radiance`
+    bool fits(const HiddenSurfaces& hidden) const;
+  };
+  std::optional<LitHidden> lit_hidden_;
   std::optional<Framebuffer> filtered_;
   std::optional<Framebuffer> radiance_;
 };

@@ -6,10 +6,10 @@ layout(location = 0) out vec4 out_irradiance;
 
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
-  vec4 p = texelFetch(position_view, pixel, 0);
+  vec4 p = receiver_position(pixel);
   out_irradiance = vec4(0.0);
   if (p.w == 0.0) return;
-  vec3 n = normal_at(pixel);
+  vec3 n = receiver_normal(pixel);
   vec4 set = pixel_sample_set();
   mat3 frame = sampling_frame(n, set);
   vec3 sum = vec3(0.0);

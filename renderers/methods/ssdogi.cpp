@@ -34,10 +34,11 @@ const Representation& representation() {
 std::vector<Parameter> parameters() {
   std::vector<Parameter> all = screen_space_parameters();
   Parameter& visibility = *std::ranges::find(all, "visibility", &Parameter::name);
-  visibility.choices = {"depth"};
+  std::erase(visibility.choices, "traced");
   visibility.help =
-      "what tells whether a direction is blocked: the march through the depth buffer, whose pixels "
-      "are what sends light";
+      "what tells whether a direction is blocked: the march through the depth buffer, through "
+      "several layers of it, or through those of several cameras [SSDO sec. 4]; their pixels are "
+      "what sends light";
   std::ranges::move(bounce_parameters("patch"), std::back_inserter(all));
   return all;
 }

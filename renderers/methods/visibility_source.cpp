@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
+#include "renderers/methods/frame.h"
 #include "renderers/scene/interrupt.h"
 #include "renderers/scene/parallel.h"
 #include "renderers/shared/frame.h"
-#include "renderers/shared/march.h"
 #include "renderers/shared/visibility.h"
 
 namespace occlab {
@@ -14,6 +14,11 @@ namespace {
 glm::vec3 vec3_at(const Image& image, glm::ivec2 pixel) {
   return {image.at(pixel.x, pixel.y, 0), image.at(pixel.x, pixel.y, 1),
           image.at(pixel.x, pixel.y, 2)};
+}
+
+/// As the shaders fetch it: w is 0 where no surface is seen.
+glm::vec4 surface_at(const GBufferImages& images, glm::ivec2 pixel) {
+  return {vec3_at(images.position_view, pixel), images.mask.at(pixel.x, pixel.y)};
 }
 
 Lanes march_lanes(const DepthMarch& march, const PixelGroup& group, const Lanes3& direction,
@@ -63,9 +68,10 @@ PixelGroup pixel_group(const GBufferImages& surface, const SampleSet& samples, T
 
 }  // namespace
 
-DepthMarch::DepthMarch(const GBufferImages& surface, const View& view,
+DepthMarch::DepthMarch(const GBufferImages& surface, const HiddenImages* hidden, const View& view,
                        const PassConstants& constants)
     : surface_(surface),
+      hidden_(hidden),
       constants_(constants),
       image_center_(0.5f * glm::vec2(view.width, view.height)),
       focal_pixels_(view.focal_pixels()) {}
@@ -76,22 +82,86 @@ std::optional<glm::ivec2> DepthMarch::pixel_of(glm::vec3 q) const {
   return glm::ivec2(pixel);
 }
 
+Blocker DepthMarch::nearer(const Blocker& best, glm::vec4 surface, int source, glm::ivec2 pixel,
+                           const ShadedPoint& point) const {
+  return nearer_blocker(best, surface, source, pixel, point.position, point.normal,
+                        constants_.epsilon_world, constants_.d_max_world);
+}
+
+/// blocker_at() of hidden_march.glsl with layers.
+Blocker DepthMarch::behind_pairs(const ShadedPoint& point, glm::vec3 q) const {
+  Blocker blocker = no_blocker();
+  const std::optional<glm::ivec2> pixel = pixel_of(q);
+  if (!pixel) return blocker;
+  const auto layer = [&](std::size_t i) {
+    return i < hidden_->images.size() ? surface_at(hidden_->images[i], *pixel) : glm::vec4(0.0f);
+  };
+  glm::vec4 front = surface_at(surface_, *pixel);
+  for (std::size_t i = 0; i <= hidden_->images.size(); i += 2) {
+    const glm::vec4 back = layer(i);
+    if (between_pair(front, back, q, constants_.bias_world)) {
+      blocker = nearer(blocker, front, int(i), *pixel, point);
+      blocker = nearer(blocker, back, int(i) + 1, *pixel, point);
+    }
+    front = layer(i + 1);
+  }
+  return blocker;
+}
+
+/// The same with cameras.
+Blocker DepthMarch::behind_cameras(const ShadedPoint& point, glm::vec3 q) const {
+  Blocker blocker = no_blocker();
+  if (const std::optional<glm::ivec2> pixel = pixel_of(q)) {
+    const glm::vec4 surface = surface_at(surface_, *pixel);
+    if (surface.z > q.z + constants_.bias_world) {
+      blocker = nearer(blocker, surface, 0, *pixel, point);
+    }
+  }
+  for (std::size_t i = 0; i < hidden_->cameras.size(); ++i) {
+    const View& view = hidden_->cameras[i].view;
+    const glm::mat4& m = hidden_->cameras[i].camera_from_view;
+    const glm::vec2 center = 0.5f * glm::vec2(view.width, view.height);
+    const glm::vec3 there = in_camera(m[0], m[1], m[2], m[3], q);
+    const glm::vec2 place = project_to_pixel(there, center, view.focal_pixels());
+    if (!on_screen(there, place, center)) continue;
+    const glm::ivec2 pixel(place);
+    const glm::vec4 surface = surface_at(hidden_->images[i], pixel);
+    const float z = in_camera(m[0], m[1], m[2], m[3], glm::vec3(surface)).z;
+    if (z > there.z + constants_.bias_world) {
+      blocker = nearer(blocker, surface, int(i) + 1, pixel, point);
+    }
+  }
+  return blocker;
+}
+
+Blocker DepthMarch::blocker_at(const ShadedPoint& point, glm::vec3 q) const {
+  if (hidden_) {
+    return hidden_->cameras.empty() ? behind_pairs(point, q) : behind_cameras(point, q);
+  }
+  Blocker blocker = no_blocker();
+  const std::optional<glm::ivec2> pixel = pixel_of(q);
+  if (!pixel) return blocker;
+  const glm::vec4 surface = surface_at(surface_, *pixel);
+  if (surface_blocks(surface, q, point.position, point.normal, constants_.bias_world,
+                     constants_.epsilon_world, constants_.d_max_world)) {
+    blocker.to_surface = glm::vec3(surface) - point.position;
+    blocker.distance = dot(blocker.to_surface, blocker.to_surface);
+    blocker.pixel = *pixel;
+  }
+  return blocker;
+}
+
 DepthMarch::Result DepthMarch::march(const ShadedPoint& point, glm::vec3 direction, float xi,
                                      float reach, int first_step) const {
   for (int k = first_step; k < constants_.steps; ++k) {
     const glm::vec3 q = march_point(point.position, direction, reach, k, xi, constants_.steps);
-    const std::optional<glm::ivec2> pixel = pixel_of(q);
-    if (!pixel) continue;
-    const glm::vec4 surface(vec3_at(surface_.position_view, *pixel),
-                            surface_.mask.at(pixel->x, pixel->y));
-    if (surface_blocks(surface, q, point.position, point.normal, constants_.bias_world,
-                       constants_.epsilon_world, constants_.d_max_world)) {
-      const BlockerWeight& blocker = constants_.blocker;
-      const float visibility =
-          blocked_visibility(blocker.weight, length(glm::vec3(surface) - point.position),
-                             blocker.d_max_world, blocker.lambda_per_world, blocker.fade_start);
-      return {visibility, true, k, q, *pixel};
-    }
+    const Blocker found = blocker_at(point, q);
+    if (found.distance < 0.0f) continue;
+    const BlockerWeight& blocker = constants_.blocker;
+    const float visibility =
+        blocked_visibility(blocker.weight, sqrt(found.distance), blocker.d_max_world,
+                           blocker.lambda_per_world, blocker.fade_start);
+    return {visibility, true, k, q, found.pixel, found.source, found.to_surface};
   }
   return {};
 }
@@ -166,8 +236,21 @@ Lanes VisibilitySource::along(const Lanes3& direction_view, float xi, const Lane
 }
 
 VisibilitySource depth_visibility(const GBufferImages& surface, const View& view,
-                                  const PassConstants& constants) {
-  return VisibilitySource(DepthMarch(surface, view, constants), constants.d_max_world);
+                                  const PassConstants& constants, const HiddenImages* hidden) {
+  return VisibilitySource(DepthMarch(surface, hidden, view, constants), constants.d_max_world);
+}
+
+DepthMarch depth_march(const Frame& frame, const ParameterSet& parameters) {
+  const std::optional<HiddenSettings> settings = hidden_settings(parameters);
+  return {frame.surface(gbuffer_bits(parameters)),
+          settings ? &frame.hidden_images(*settings) : nullptr, frame.view,
+          pass_constants(parameters)};
+}
+
+VisibilitySource visibility_source(const Frame& frame, const ParameterSet& parameters) {
+  const PassConstants constants = pass_constants(parameters);
+  if (traces(parameters)) return traced_visibility(frame.traced(), frame.view, constants);
+  return VisibilitySource(depth_march(frame, parameters), constants.d_max_world);
 }
 
 VisibilitySource traced_visibility(const TracedScene& traced, const View& view,

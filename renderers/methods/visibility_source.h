@@ -6,9 +6,10 @@
 #include <optional>
 #include <variant>
 
-#include "renderers/gl/gbuffer.h"
+#include "renderers/gl/hidden_surfaces.h"
 #include "renderers/methods/pass_constants.h"
 #include "renderers/methods/sample_set.h"
+#include "renderers/shared/march.h"
 #include "renderers/trace/packet.h"
 #include "renderers/trace/tile_visibility.h"
 #include "renderers/trace/traced_scene.h"
@@ -50,8 +51,10 @@ void for_each_group(const GBufferImages& surface, const SampleSet& samples, Turn
 /// screen_space.glsl's march through the depth buffer, from the header that the shaders include.
 class DepthMarch {
  public:
-  /// `surface` outlives this.
-  DepthMarch(const GBufferImages& surface, const View& view, const PassConstants& constants);
+  /// Through the first surfaces, and through the hidden ones where there are any. Both outlive
+  /// this.
+  DepthMarch(const GBufferImages& surface, const HiddenImages* hidden, const View& view,
+             const PassConstants& constants);
 
   struct Result {
     float visibility = 1.0f;
@@ -59,6 +62,9 @@ class DepthMarch {
     int step = 0;        ///< of the march's point that was found blocked
     glm::vec3 sample{};  ///< view space: that point
     glm::ivec2 pixel{};  ///< whose surface blocks it
+    /// What shows that surface: 0 for the first surfaces, i + 1 for hidden image i.
+    int source = 0;
+    glm::vec3 to_surface{};  ///< view space, from the point to it
   };
   /// The first blocker of steps `first_step` and later.
   Result march(const ShadedPoint& point, glm::vec3 direction, float xi, float reach,
@@ -69,7 +75,14 @@ class DepthMarch {
   std::optional<glm::ivec2> pixel_of(glm::vec3 q) const;
 
  private:
+  Blocker blocker_at(const ShadedPoint& point, glm::vec3 q) const;
+  Blocker behind_pairs(const ShadedPoint& point, glm::vec3 q) const;
+  Blocker behind_cameras(const ShadedPoint& point, glm::vec3 q) const;
+  Blocker nearer(const Blocker& best, glm::vec4 surface, int source, glm::ivec2 pixel,
+                 const ShadedPoint& point) const;
+
   const GBufferImages& surface_;
+  const HiddenImages* hidden_;
   PassConstants constants_;
   glm::vec2 image_center_;
   float focal_pixels_;
@@ -124,12 +137,21 @@ class VisibilitySource {
   const PixelGroup* group_ = nullptr;
 };
 
-/// The march of the passes. `surface` outlives the result.
+/// The march of the passes. `surface` and `hidden`, which may be null, outlive the result.
 VisibilitySource depth_visibility(const GBufferImages& surface, const View& view,
-                                  const PassConstants& constants);
+                                  const PassConstants& constants,
+                                  const HiddenImages* hidden = nullptr);
 
 /// Rays. `traced` outlives the result.
 VisibilitySource traced_visibility(const TracedScene& traced, const View& view,
                                    const PassConstants& constants);
+
+struct Frame;
+
+/// What the parameters' `visibility` asks for. The frame outlives the result.
+VisibilitySource visibility_source(const Frame& frame, const ParameterSet& parameters);
+
+/// Their march, whether or not they trace rays instead. The frame outlives the result.
+DepthMarch depth_march(const Frame& frame, const ParameterSet& parameters);
 
 }  // namespace occlab

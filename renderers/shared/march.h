@@ -32,4 +32,52 @@ SHARED bool surface_blocks(vec4 surface, vec3 q, vec3 p, vec3 n, float bias, flo
          dot(to_surface, to_surface) <= d_max * d_max;
 }
 
+// [Depth peeling] Whether the sample is between the surfaces of a pair that are seen through its
+// pixel one after the other: inside a solid, in front of which `front` is and behind which `back`
+// is (w: 0 where there is none, and everything behind `front` counts) [SSDO sec. 4].
+SHARED bool between_pair(vec4 front, vec4 back, vec3 q, float bias) {
+  return front.w > 0.0f && front.z > q.z + bias && (back.w == 0.0f || back.z < q.z);
+}
+
+// [Additional cameras] A point of the view's space in that of another camera, given its matrix's
+// columns.
+SHARED vec3 in_camera(vec4 x, vec4 y, vec4 z, vec4 origin, vec3 q) {
+  PRECISE vec3 moved = vec3(x) * q.x + vec3(y) * q.y + vec3(z) * q.z + vec3(origin);
+  return moved;
+}
+
+// The nearest to p of the surfaces that block a step. `source`: 0 for the first surface seen from
+// the view's camera; i + 1 for that of layer or camera i.
+struct Blocker {
+  vec3 to_surface;  // p' - p
+  float distance;   // squared; less than 0: nothing blocks
+  int source;
+  ivec2 pixel;
+};
+
+SHARED Blocker no_blocker() {
+  Blocker none;
+  none.to_surface = vec3(0.0f);
+  none.distance = -1.0f;
+  none.source = 0;
+  none.pixel = ivec2(0);
+  return none;
+}
+
+// `best`, or the surface if that is nearer to p, above the tangent plane and within d_max. The
+// sample is known to be behind it (or, of the back of a pair, in front).
+SHARED Blocker nearer_blocker(Blocker best, vec4 surface, int source, ivec2 pixel, vec3 p, vec3 n,
+                              float epsilon, float d_max) {
+  PRECISE vec3 to_surface = vec3(surface) - p;
+  PRECISE float distance =
+      to_surface.x * to_surface.x + to_surface.y * to_surface.y + to_surface.z * to_surface.z;
+  if (surface.w == 0.0f || dot(to_surface, n) <= epsilon || distance > d_max * d_max) return best;
+  if (best.distance >= 0.0f && best.distance <= distance) return best;
+  best.to_surface = to_surface;
+  best.distance = distance;
+  best.source = source;
+  best.pixel = pixel;
+  return best;
+}
+
 SHARED_END

@@ -168,6 +168,33 @@ TEST(CpuAndGpu, AgreeOnWhatRaysSaw) {
                    {"ssao", "s3ho", "ssdo", "ssbn", "s3hogi"});
 }
 
+/// Few samples, as every loop over them is compiled anew.
+Values few_samples(Values values) {
+  for (const char* name : {"samples", "steps"}) values.emplace_back(name, 4L);
+  return values;
+}
+
+TEST(CpuAndGpu, AgreeBehindSeveralLayers) {
+  const TestFrame frame(still_life(), from_above, sky(), lights());
+  expect_agreement(
+      frame, few_samples({{"visibility", "peeled"}, {"layers", 3L}, {"weight", "smoothstep"}}),
+      "layers");
+  expect_agreement(frame, few_samples({{"visibility", "peeled"}, {"gbuffer_bits", "16"}}),
+                   "layers of 16 bits", {"ssao", "ssdogi"});
+}
+
+TEST(CpuAndGpu, AgreeOnWhatSeveralCamerasSee) {
+  const TestFrame frame(still_life(), from_above, sky(), lights());
+  const Values cameras = {{"visibility", "multiview"}, {"cameras", 3L}, {"camera_offset", 0.6}};
+  Values values = cameras;
+  values.emplace_back("weight", "lambda");
+  expect_agreement(frame, few_samples(values), "cameras");
+  values = cameras;
+  values.emplace_back("gbuffer_bits", "16");
+  values.emplace_back("camera_scale", 1.3);
+  expect_agreement(frame, few_samples(values), "cameras of 16 bits", {"ssao", "ssdogi"});
+}
+
 TEST(CpuAndGpu, AgreeOnEveryFormFactor) {
   const TestFrame frame(still_life(), from_above, sky(), lights());
   for (const char* factor : {"solid_angle", "patch"}) {
