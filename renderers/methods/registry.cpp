@@ -11,7 +11,11 @@
   METHOD(ssao)                 \
   METHOD(s3ho)                 \
   METHOD(ssdo)                 \
-  METHOD(ssbn) METHOD(s3hogi) METHOD(ssdogi) METHOD(rtgi_unoccluded) METHOD(rtgi_shaded)
+  METHOD(ssbn)                 \
+  METHOD(s3hogi)               \
+  METHOD(ssdogi)               \
+  METHOD(shadow_maps)          \
+  METHOD(instant_radiosity) METHOD(rtgi_unoccluded) METHOD(rtgi_shaded)
 
 namespace occlab {
 

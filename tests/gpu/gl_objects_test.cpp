@@ -117,6 +117,46 @@ TEST(GlObjects, FiveHundredCellsLeaveNothing) {
   EXPECT_EQ(live_gl_objects, 0);
 }
 
+TEST(GlObjects, ShadowMapsAreGivenBack) {
+  std::optional<Context> context(std::in_place, "surfaceless");
+  ASSERT_EQ(objects_of_driver(), Counts());
+  {
+    ProgramCache programs;
+    const Scene scene = test::floor_and_tall_wall();
+    const View view = test::look_at({3, 2, 0}, {0, 1, 0}, 1.0f, 16, 16);
+    const GpuScene gpu_scene(scene);
+    const Light lamp{.name = "lamp", .position_world = {1, 2, 0}, .intensity = glm::vec3(1.0f)};
+    const Light sun{.name = "sun", .type = LightType::directional, .intensity = glm::vec3(1.0f)};
+    const Frame frame{
+        .scene = scene,
+        .gpu_scene = gpu_scene,
+        .view = view,
+        .lighting = Lighting(constant_environment(glm::vec3(1.0f)), {lamp, sun}, view),
+        .programs = programs};
+    const auto render = [&](long cell) {
+      for (const char* name : {"shadow_maps", "instant_radiosity"}) {
+        const MethodInfo& info = find_method(name);
+        ParameterSet parameters(info.parameters);
+        parameters.set("environment_lights", 2L);
+        parameters.set("shadow_map_side", 16L + 16L * (cell % 2));
+        if (parameters.has("bounce_lights")) parameters.set("bounce_lights", 3L);
+        if (parameters.has("near_bounce")) parameters.set("near_bounce", std::string("screen"));
+        Metadata facts;
+        info.make()->evaluate(frame, parameters, facts);
+      }
+    };
+    render(0);
+    const Counts first = objects_of_driver();
+    EXPECT_EQ(first, objects_of_wrappers());
+    for (long cell = 1; cell < 6; ++cell) render(cell);
+    EXPECT_EQ(objects_of_driver(), first);
+  }
+  glUseProgram(0);
+  EXPECT_EQ(objects_of_driver(), Counts());
+  context.reset();
+  EXPECT_EQ(live_gl_objects, 0);
+}
+
 TEST(GlObjects, TheDriverIsAskedRightly) {
   const Context context("surfaceless");
   const Counts before = objects_of_driver();

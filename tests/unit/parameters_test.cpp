@@ -165,7 +165,8 @@ TEST(Methods, AreListedOnceWithValidDeclarations) {
     }
   }
   EXPECT_EQ(names, (std::vector<std::string>{"rtdo", "ssao", "s3ho", "ssdo", "ssbn", "s3hogi",
-                                             "ssdogi", "rtgi_unoccluded", "rtgi_shaded"}));
+                                             "ssdogi", "shadow_maps", "instant_radiosity",
+                                             "rtgi_unoccluded", "rtgi_shaded"}));
   expect_refused([] { find_method("s3h0"); }, {"unknown method 's3h0'", "'s3ho'", "rtdo, ssao"});
 }
 
