@@ -213,7 +213,8 @@ void BenchRun::measure(const RowSink& sink) {
     }
     return layers;
   };
-  measure_cells(cells, regions(plan_.experiment), identity(), read_and_look_ahead, begin, sink);
+  measure_cells(cells, plan_.experiment.benches.front().regions, identity(), read_and_look_ahead,
+                begin, sink);
   if (chain_) {
     sink(reference_rows(cells.front(), chain_->read(), *plan_.experiment.reference, identity()));
     ReferenceSettings as_traced = *plan_.experiment.reference;
@@ -237,9 +238,7 @@ void BenchRun::measure(const RowSink& sink) {
   }
 }
 
-void BenchRun::draw_figures(const std::filesystem::path& folder) {
-  write_figures(plan_.experiment, measured_cells(), reader(), budget_reader(), folder);
-}
+FigureBench BenchRun::for_figures() { return {measured_cells(), reader(), budget_reader()}; }
 
 std::vector<KeyedCell> BenchRun::all_cells() const {
   std::vector<KeyedCell> all = plan_.cells;

@@ -66,8 +66,9 @@ class BenchRun {
   std::size_t sample_reference(const nlohmann::json& known);
   /// Calls `sink` with the rows of every measurement but times.
   void measure(const RowSink& sink);
-  /// The experiment's figures. For after sample_reference().
-  void draw_figures(const std::filesystem::path& folder);
+  /// What the experiment's figures are drawn of. For after sample_reference(); lives no longer than
+  /// this.
+  FigureBench for_figures();
 
   /// For after sample_reference(): every cell with the steps towards the reference.
   std::vector<KeyedCell> all_cells() const;

@@ -106,14 +106,12 @@ void check_cells(const Experiment& experiment, const TomlTable& root, const Meth
                           experiment.benches.size(), cells));
 }
 
-/// Times have axes of their own, and a figure shows one image.
-void refuse_parts_of_one_bench(const Experiment& experiment, TomlTable& root) {
-  for (const char* part : {"timing", "figure"}) {
-    if (!root.has(part)) continue;
-    root.fail(part, fmt::format("accepted with one scene, view, resolution and probe; [scene] and "
-                                "[probe] make {}",
-                                experiment.benches.size()));
-  }
+/// Times have axes of their own.
+void refuse_timing_of_several_benches(const Experiment& experiment, TomlTable& root) {
+  if (experiment.benches.size() == 1 || !root.has("timing")) return;
+  root.fail("timing", fmt::format("accepted with one scene, view, resolution and probe; [scene] "
+                                  "and [probe] make {}",
+                                  experiment.benches.size()));
 }
 
 }  // namespace
@@ -123,6 +121,10 @@ Experiment at_bench(const Experiment& experiment, const BenchSettings& bench) {
   one.scene = bench.scene;
   one.probe = bench.probe;
   one.benches = {bench};
+  std::erase_if(one.figures, [&](const FigureSettings& figure) {
+    return figure.kind == FigureKind::grid || experiment.benches[figure.bench].point != bench.point;
+  });
+  for (FigureSettings& figure : one.figures) figure.bench = 0;
   return one;
 }
 
@@ -175,22 +177,26 @@ Experiment load_experiment(const std::filesystem::path& path,
   }
   check_cells(experiment, root, methods);
   refuse_equal_cells(experiment, run_tables, methods);
-  if (experiment.benches.size() > 1) refuse_parts_of_one_bench(experiment, root);
+  refuse_timing_of_several_benches(experiment, root);
   if (experiment.reference) {
     const std::vector<PlannedCell> cells = plan(experiment, methods);
     check_truths(cells, *experiment.reference, root.table("reference"));
     check_ray_budget(*experiment.reference, cells.front().parameters, root.table("reference"));
   }
 
+  if (root.has("region")) {
+    for (TomlTable& table : root.tables("region")) read_region(table, experiment.benches);
+  }
   if (root.has("figure")) {
     const std::vector<PlannedCell> cells = plan(experiment, methods);
     for (TomlTable& table : root.tables("figure")) {
       FigureSettings figure =
-          read_figure(table, {experiment.scene, methods, cells, experiment.budget.has_value()});
+          read_figure(table, {experiment.benches, methods, cells, experiment.budget.has_value()});
       if (std::ranges::find(experiment.figures, figure.name, &FigureSettings::name) !=
           experiment.figures.end()) {
         table.fail("name", fmt::format("two figures are called '{}'", figure.name));
       }
+      add_regions(table, figure, experiment.benches);
       experiment.figures.push_back(std::move(figure));
     }
   }

@@ -37,10 +37,28 @@ struct ReferenceSettings {
   std::optional<long> max_rays_per_pixel;
 };
 
+struct Rectangle {
+  int x = 0;  ///< pixels, from the left
+  int y = 0;  ///< pixels, from the top
+  int width = 0;
+  int height = 0;
+  bool operator==(const Rectangle&) const = default;
+};
+
+/// A part of the picture in which the metrics are measured on their own, as of a view of its own.
+struct Region {
+  std::string name;
+  Rectangle rectangle;  ///< inside the frame
+  bool point = false;   ///< one pixel, of which the brightness alone is measured
+  bool operator==(const Region&) const = default;
+};
+
 /// What a scene is seen with: a point of the axes of [scene] and [probe].
 struct BenchSettings {
   SceneSettings scene;
   std::optional<ProbeSettings> probe;  ///< none: the scene's own environment
+  NamedValues point = {};              ///< the same on the axes: scene.source, scene.view, ...
+  std::vector<Region> regions = {};    ///< [[region]], and what figures show enlarged or mark
 };
 
 struct RunSettings {
@@ -86,13 +104,7 @@ enum class FigureKind {
   failure_classes,
   ambient_occlusion,
   lobes,
-};
-
-struct Rectangle {
-  int x = 0;  ///< pixels, from the left
-  int y = 0;  ///< pixels, from the top
-  int width = 0;
-  int height = 0;
+  grid,
 };
 
 struct CloseupRow {
@@ -108,18 +120,38 @@ struct FigurePoint {
   int y = 0;
 };
 
+/// A column or a row of a figure of kind `grid`.
+struct GridEntry {
+  std::string label;
+  std::string method;                  ///< empty: the entries of the other way say it
+  NamedValues select;                  ///< parameters
+  std::vector<Axis> bench;             ///< values of [scene] and [probe]
+  std::optional<Rectangle> rectangle;  ///< a row that shows a part of the frame, enlarged
+};
+
+/// What a column and a row of a grid select together.
+struct GridPanel {
+  std::string method;
+  NamedValues select;  ///< picks one cell of the method
+  std::size_t bench = 0;
+};
+
 struct FigureSettings {
   std::string name;  ///< the file's name
   FigureKind kind = FigureKind::comparison;
   std::string title;
   std::string stage = "filtered";  ///< or "unfiltered"
   std::vector<std::string> methods;
-  NamedValues select;            ///< all but closeups: picks one cell of each method
+  std::size_t bench = 0;         ///< of Experiment::benches; grid: that of the first panel
+  NamedValues select;            ///< all but closeups and grid: picks one cell of each method
   std::vector<CloseupRow> rows;  ///< closeups
   double scale = 0.0;            ///< of errors: what is shown as the end of the colour scale
   std::string caption;           ///< what to see; stands before what is said of every such figure
   std::vector<FigurePoint> points;    ///< lobes
   std::vector<std::string> switched;  ///< lobes: two lights that also change their places, or none
+  std::vector<GridEntry> columns;     ///< grid
+  std::vector<GridEntry> grid_rows;
+  std::vector<GridPanel> panels;  ///< grid, row by row
 };
 
 struct Experiment {
@@ -147,7 +179,7 @@ Experiment load_experiment(const std::filesystem::path& path,
                            const std::vector<std::string>& overrides,
                            const std::vector<MethodInfo>& methods);
 
-/// The experiment with that one bench.
+/// The experiment with that one bench, and the figures of it alone; grids are left out.
 Experiment at_bench(const Experiment& experiment, const BenchSettings& bench);
 
 enum class Role { reference, test };

@@ -151,28 +151,17 @@ class BenchReader {
 
   /// {scene.view = "main", probe.rotation_degrees = [0, 90]}.
   static std::vector<Axis> read_exclusion(TomlTable& entry) {
-    std::vector<Axis> exclusion;
     for (const std::string& table_name : entry.others()) {
       if (table_name != "scene" && table_name != "probe") {
         entry.refuse_unknown(table_name, {"scene", "probe"});
       }
-      TomlTable table = entry.table(table_name);
-      for (const std::string& key : table.others()) {
-        Axis axis{table_name + "." + key, {}};
-        if (key == "source") {
-          const std::vector<std::string> sources = table.names_or_paths(key, false);
-          axis.values = {sources.begin(), sources.end()};
-        } else {
-          axis.values = table.values(key, true);
-        }
-        exclusion.push_back(std::move(axis));
-      }
     }
-    return exclusion;
+    return read_bench_values(entry);
   }
 
   static BenchSettings bench_of(const NamedValues& point) {
     BenchSettings bench;
+    bench.point = point;
     ProbeSettings probe;
     const auto text = [](const ParameterValue& value) { return std::get<std::string>(value); };
     for (const auto& [name, value] : point) {
@@ -210,6 +199,62 @@ std::optional<Resolution> parse_resolution(const std::string& text) {
   const auto accepted = [](int side) { return side >= shortest_side && side <= longest_side; };
   if (!accepted(size.width) || !accepted(size.height)) return std::nullopt;
   return size;
+}
+
+std::vector<Axis> read_bench_values(TomlTable& table) {
+  std::vector<Axis> axes;
+  for (const char* name : {"scene", "probe"}) {
+    if (!table.has(name)) continue;
+    TomlTable part = table.table(name);
+    for (const std::string& key : part.others()) {
+      Axis axis{fmt::format("{}.{}", name, key), {}};
+      if (key == "source") {
+        const std::vector<std::string> sources = part.names_or_paths(key, false);
+        axis.values = {sources.begin(), sources.end()};
+      } else {
+        axis.values = part.values(key, true);
+      }
+      axes.push_back(std::move(axis));
+    }
+  }
+  return axes;
+}
+
+namespace {
+
+/// "scene.view is 'frame1', 'frame2'": the axes in which the benches differ.
+std::string differences(const std::vector<BenchSettings>& benches) {
+  std::string text;
+  for (const auto& [name, unused] : benches.front().point) {
+    std::vector<std::string> values;
+    for (const BenchSettings& bench : benches) {
+      const auto found = std::ranges::find(bench.point, name, &NamedValues::value_type::first);
+      const std::string value = fmt::format("'{}'", to_string(found->second));
+      if (std::ranges::find(values, value) == values.end()) values.push_back(value);
+    }
+    if (values.size() < 2) continue;
+    text += fmt::format("{}{} is {}", text.empty() ? "" : "; ", name, fmt::join(values, ", "));
+  }
+  return text;
+}
+
+}  // namespace
+
+std::size_t select_bench(const TomlTable& table, const std::string& key,
+                         const std::vector<BenchSettings>& benches,
+                         const std::vector<Axis>& values) {
+  std::vector<std::size_t> found;
+  for (std::size_t i = 0; i < benches.size(); ++i) {
+    if (has_values(benches[i].point, values)) found.push_back(i);
+  }
+  if (found.size() == 1) return found.front();
+  if (benches.size() == 1) {
+    table.fail(key, "[scene] and [probe] do not have these values");
+  }
+  table.fail(key, fmt::format("{} of the scenes, views, resolutions and probes fit; accepted is a "
+                              "choice of one, such as by scene.view: {}",
+                              found.empty() ? "none" : std::to_string(found.size()),
+                              differences(benches)));
 }
 
 std::vector<BenchSettings> read_benches(TomlTable& root) { return BenchReader(root).read(); }

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "harness/config_parts.h"
 #include "harness/error_budget.h"
@@ -12,38 +11,6 @@
 
 namespace occlab {
 namespace {
-
-/// [x, y, width, height] inside the frame: integers are pixels, reals fractions of the frame.
-Rectangle read_rectangle(TomlTable& table, const SceneSettings& scene) {
-  const TomlTable::Numbers numbers = table.numbers("rectangle", 4);
-  std::vector<double> r = numbers.values;
-  if (!numbers.whole) {
-    for (std::size_t i = 0; i < 4; ++i) {
-      if (!(r[i] >= 0 && r[i] <= 1)) {
-        table.fail("rectangle",
-                   "accepted are four integers (pixels) or four reals in [0, 1] "
-                   "(fractions of the frame)");
-      }
-    }
-    // The corners are rounded, not the sizes, so that rectangles that touch still do.
-    const auto pixel = [](double fraction, int size) { return std::round(fraction * size); };
-    const double right = pixel(r[0] + r[2], scene.width);
-    const double bottom = pixel(r[1] + r[3], scene.height);
-    r[0] = pixel(r[0], scene.width);
-    r[1] = pixel(r[1], scene.height);
-    r[2] = right - r[0];
-    r[3] = bottom - r[1];
-  }
-  if (r[0] < 0 || r[1] < 0 || r[2] < 1 || r[3] < 1 || r[0] + r[2] > scene.width ||
-      r[1] + r[3] > scene.height) {
-    table.fail(
-        "rectangle",
-        fmt::format("x {:g}, y {:g}, width {:g}, height {:g} (pixels) is empty or not inside "
-                    "the frame of {}x{}",
-                    r[0], r[1], r[2], r[3], scene.width, scene.height));
-  }
-  return {int(r[0]), int(r[1]), int(r[2]), int(r[3])};
-}
 
 bool shows_errors(FigureKind kind) {
   return kind == FigureKind::error_map || kind == FigureKind::error_budget ||
@@ -78,24 +45,6 @@ NamedValues read_selection(TomlTable& table, const FigureSettings& figure,
   return select;
 }
 
-/// [x, y] inside the frame: integers are a pixel, reals fractions of the frame.
-FigurePoint read_point(TomlTable& table, const SceneSettings& scene) {
-  FigurePoint point;
-  point.label = table.text("label");
-  const TomlTable::Numbers numbers = table.numbers("pixel", 2);
-  const double x = numbers.whole ? numbers.values[0] : numbers.values[0] * scene.width;
-  const double y = numbers.whole ? numbers.values[1] : numbers.values[1] * scene.height;
-  if (!(x >= 0 && x < scene.width && y >= 0 && y < scene.height)) {
-    table.fail("pixel", fmt::format("found a place outside of the frame of {}x{}; accepted are two "
-                                    "integers (a pixel) or two reals in [0, 1) (fractions)",
-                                    scene.width, scene.height));
-  }
-  point.x = int(x);
-  point.y = int(y);
-  table.refuse_others();
-  return point;
-}
-
 /// Refuses methods that the kind cannot show, by what they have rather than by their names.
 void check_method_of_kind(const TomlTable& table, const FigureSettings& figure,
                           const FigureContext& context) {
@@ -120,7 +69,8 @@ void read_lobes(TomlTable& table, const FigureContext& context, FigureSettings& 
     table.fail("stage", "the coefficients are stored after the filter; accepted is 'filtered'");
   }
   for (TomlTable& point : table.tables("points")) {
-    figure.points.push_back(read_point(point, context.scene));
+    figure.points.push_back(read_point(point, context.benches[figure.bench].scene));
+    point.refuse_others();
   }
   if (figure.points.size() > 2) table.fail("points", "accepted are one or two points");
   if (!table.has("switch")) return;
@@ -140,7 +90,8 @@ FigureSettings read_figure(TomlTable& table, const FigureContext& context) {
       {"error_budget", FigureKind::error_budget},
       {"failure_classes", FigureKind::failure_classes},
       {"ambient_occlusion", FigureKind::ambient_occlusion},
-      {"lobes", FigureKind::lobes}};
+      {"lobes", FigureKind::lobes},
+      {"grid", FigureKind::grid}};
   std::vector<std::string> words;
   for (const auto& [word, unused] : kinds) words.push_back(word);
   const std::string kind = table.one_of("kind", words, "");
@@ -148,13 +99,18 @@ FigureSettings read_figure(TomlTable& table, const FigureContext& context) {
   figure.title = table.text("title", "");
   figure.caption = table.text("caption", "");
   figure.stage = table.one_of("stage", {"filtered", "unfiltered"}, "filtered");
+  if (figure.kind == FigureKind::grid) {
+    read_grid(table, context, figure);
+    return figure;
+  }
   figure.methods = table.words("methods");
   known_methods(table, "methods", figure.methods, context.methods);
+  figure.bench = select_bench(table, "name", context.benches, read_bench_values(table));
   if (figure.kind == FigureKind::closeups) {
     for (TomlTable& row_table : table.tables("rows")) {
       CloseupRow row;
       row.label = row_table.text("label");
-      row.rectangle = read_rectangle(row_table, context.scene);
+      row.rectangle = read_rectangle(row_table, context.benches[figure.bench].scene);
       row.select = read_selection(row_table, figure, context);
       figure.rows.push_back(std::move(row));
     }

@@ -47,6 +47,15 @@ void check_count(const TomlTable& table, const std::string& key, long cells,
 /// [scene], [probe] and [sweep]: every bench that their axes make.
 std::vector<BenchSettings> read_benches(TomlTable& root);
 
+/// Values of the axes of [scene] and [probe], as in an exclusion: what a table has under the keys
+/// `scene` and `probe`, if it has them.
+std::vector<Axis> read_bench_values(TomlTable& table);
+
+/// The one bench with all these values; fails at the table's `key` otherwise.
+std::size_t select_bench(const TomlTable& table, const std::string& key,
+                         const std::vector<BenchSettings>& benches,
+                         const std::vector<Axis>& values);
+
 /// "1280x720", with sides that are accepted; nothing for any other text.
 std::optional<Resolution> parse_resolution(const std::string& text);
 inline constexpr int shortest_side = 16;
@@ -58,11 +67,32 @@ TimingSettings read_timing(TomlTable table, const std::vector<MethodInfo>& metho
 
 /// What reading a figure needs of the rest of the experiment.
 struct FigureContext {
-  const SceneSettings& scene;
+  const std::vector<BenchSettings>& benches;
   const std::vector<MethodInfo>& methods;
   const std::vector<PlannedCell>& cells;
   bool budget;
 };
 FigureSettings read_figure(TomlTable& table, const FigureContext& context);
+
+// What the readers of figures share.
+
+/// The key `rectangle`, [x, y, width, height] inside the frame: integers are pixels, reals
+/// fractions of the frame.
+Rectangle read_rectangle(TomlTable& table, const SceneSettings& scene);
+
+/// `label` and `pixel`, [x, y] inside the frame: integers are a pixel, reals fractions of the
+/// frame.
+FigurePoint read_point(TomlTable& table, const SceneSettings& scene);
+
+/// `columns` and `rows` of a grid, and what they select: methods, panels and the bench.
+void read_grid(TomlTable& table, const FigureContext& context, FigureSettings& figure);
+
+/// A [[region]].
+void read_region(TomlTable& table, std::vector<BenchSettings>& benches);
+
+/// What a figure shows enlarged or marks is also measured there. Refuses, at the table's place, two
+/// different regions of one bench that are called the same.
+void add_regions(const TomlTable& table, const FigureSettings& figure,
+                 std::vector<BenchSettings>& benches);
 
 }  // namespace occlab

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
+#include <optional>
 
+#include "harness/figure_source.h"
+#include "harness/figures/canvas.h"
 #include "harness/figures/figures.h"
 #include "harness/files.h"
 #include "harness/lobe_figures.h"
@@ -14,68 +16,6 @@
 
 namespace occlab {
 namespace {
-
-/// The images of an experiment's cells as its figures want them.
-class FigureSource {
- public:
-  FigureSource(const Experiment& experiment, const std::vector<MeasuredCell>& cells,
-               const ReadLayers& read, const ReadBudget& read_budget)
-      : cells_(cells), read_(read), read_budget_(read_budget) {
-    for (const MeasuredCell& cell : cells) {
-      planned_.push_back(cell.planned);
-      if (cell.planned.role != Role::reference) continue;
-      const Layers reference = read(cell);
-      references_.push_back(reference.at("radiance"));
-      mask_ = reference.at("mask");
-    }
-    exposure_ = shared_exposure(references_.front(), mask_);
-    std::vector<std::vector<std::string>> names;
-    for (const FigureSettings& figure : experiment.figures) names.push_back(figure.methods);
-    colours_ = frame_colours(names);
-  }
-
-  /// The first, whose exposure all share.
-  const Image& reference() const { return references_.front(); }
-  /// That which the selected cells are compared with.
-  const Image& reference_of(const std::string& method, const NamedValues& select) const {
-    return references_[reference_place(planned_, cell(method, select).planned)];
-  }
-  const Image& mask() const { return mask_; }
-  double exposure() const { return exposure_; }
-  DisplayColour colour(const std::string& method) const { return colours_.at(method); }
-
-  /// The first seed of the selected cells.
-  const MeasuredCell& cell(const std::string& method, const NamedValues& select) const {
-    const int group = select_group(planned_, method, select);
-    const auto found = std::ranges::find(planned_, group, &PlannedCell::group);
-    return cells_[std::size_t(found - planned_.begin())];
-  }
-  Layers layers(const MeasuredCell& cell) const { return read_(cell); }
-  const StoredBudget& budget(const MeasuredCell& cell) const { return read_budget_(cell.planned); }
-
-  /// Linear radiance of the first seed of the selected cells.
-  Image radiance(const std::string& method, const NamedValues& select,
-                 const std::string& stage) const {
-    const Layers layers = read_(cell(method, select));
-    const Image* unfiltered = layers.find("radiance_unfiltered");
-    return stage == "unfiltered" && unfiltered ? *unfiltered : layers.at("radiance");
-  }
-
-  Image displayed(const std::string& method, const NamedValues& select,
-                  const std::string& stage) const {
-    return tone_map(radiance(method, select, stage), exposure_, mask_);
-  }
-
- private:
-  const std::vector<MeasuredCell>& cells_;
-  const ReadLayers& read_;
-  const ReadBudget& read_budget_;
-  std::vector<PlannedCell> planned_;
-  std::vector<Image> references_;
-  Image mask_;
-  double exposure_ = 1.0;
-  std::map<std::string, DisplayColour> colours_;
-};
 
 std::string describe(const NamedValues& select) {
   std::string text;
@@ -90,13 +30,20 @@ std::string captioned(const FigureSettings& figure, const std::string& text) {
   return figure.caption.empty() ? text : figure.caption + "\n" + text;
 }
 
+bool is_of_several_benches(const FigureSettings& figure) {
+  return std::ranges::any_of(figure.panels, [&](const GridPanel& panel) {
+    return panel.bench != figure.panels.front().bench;
+  });
+}
+
 std::string display_caption(const FigureSettings& figure, const FigureSource& source) {
   return captioned(
       figure,
       fmt::format(
-          "{} images. All panels share one exposure, {:.4g}, at which the reference's "
+          "{} images. All panels share one exposure, {:.4g}, at which the {}reference's "
           "99th-percentile luminance is white.{}",
           figure.stage == "filtered" ? "Filtered" : "Unfiltered", source.exposure(),
+          is_of_several_benches(figure) ? "first panel's " : "",
           figure.select.empty() ? "" : " Screen-space methods: " + describe(figure.select) + "."));
 }
 
@@ -319,9 +266,30 @@ Image draw_lobes_of(const Experiment& experiment, const FigureSettings& settings
   return std::move(drawn.image);
 }
 
-Image draw(const Experiment& experiment, const FigureSettings& settings, const FigureSource& source,
+/// Panels of several benches, all at the exposure of the first one's.
+Image draw_grid(const FigureSettings& settings, FigureSources& sources) {
+  GridFigure figure;
+  figure.title = settings.title;
+  const FigureSource& first = sources.at(settings.bench);
+  figure.caption = display_caption(settings, first);
+  const auto heading = [&](const GridEntry& entry) {
+    return GridHeading{entry.label, entry.method.empty() ? ink : sources.colour(entry.method),
+                       describe(entry.select), entry.rectangle};
+  };
+  for (const GridEntry& column : settings.columns) figure.columns.push_back(heading(column));
+  for (const GridEntry& row : settings.grid_rows) figure.rows.push_back(heading(row));
+  for (const GridPanel& panel : settings.panels) {
+    const FigureSource& source = sources.at(panel.bench);
+    figure.images.push_back(tone_map(source.radiance(panel.method, panel.select, settings.stage),
+                                     first.exposure(), source.mask()));
+  }
+  return grid_figure(figure);
+}
+
+Image draw(const Experiment& experiment, const FigureSettings& settings, FigureSources& sources,
            const std::filesystem::path& folder) {
   const std::filesystem::path numbers_file = folder / (settings.name + ".json");
+  const FigureSource& source = sources.at(settings.bench);
   switch (settings.kind) {
     case FigureKind::comparison:
       return draw_comparison(settings, source);
@@ -337,24 +305,26 @@ Image draw(const Experiment& experiment, const FigureSettings& settings, const F
       return draw_ambient_occlusion(settings, source, numbers_file);
     case FigureKind::lobes:
       return draw_lobes_of(experiment, settings, source, numbers_file);
+    case FigureKind::grid:
+      return draw_grid(settings, sources);
   }
   return {};
 }
 
 }  // namespace
 
-void write_figures(const Experiment& experiment, const std::vector<MeasuredCell>& cells,
-                   const ReadLayers& read, const ReadBudget& read_budget,
+void write_figures(const Experiment& experiment, const std::vector<FigureBench>& benches,
                    const std::filesystem::path& folder) {
   if (experiment.figures.empty()) return;
-  if (cells.empty() || cells.front().planned.role != Role::reference) {
+  for (const FigureBench& bench : benches) {
+    if (!bench.cells.empty() && bench.cells.front().planned.role == Role::reference) continue;
     throw InputError(
         fmt::format("{}: key 'figure': figures need a [reference]", experiment.file.string()));
   }
   create_folder(folder);
-  const FigureSource source(experiment, cells, read, read_budget);
+  FigureSources sources(experiment, benches);
   for (const FigureSettings& settings : experiment.figures) {
-    write_png(folder / (settings.name + ".png"), draw(experiment, settings, source, folder));
+    write_png(folder / (settings.name + ".png"), draw(experiment, settings, sources, folder));
   }
 }
 

@@ -85,6 +85,7 @@ std::vector<Table> make_tables(const std::vector<Measurement>& measurements,
     table.title = "Accuracy in the closeups, " + stage;
     add(std::move(table));
   }
+  for (const std::string& stage : stages) add(brightness_table(closeups, stage));
   add(reference_table(measurements));
   for (const std::string& stage : stages) add(budget_table(measurements, stage));
   add(failure_table(measurements));

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 #include "harness/figures/canvas.h"
@@ -118,13 +119,48 @@ std::string vector_text(const glm::vec3& v) {
   return fmt::format("({:.3g}, {:.3g}, {:.3g})", v.x, v.y, v.z);
 }
 
+/// What blockers add at one point [S3HO eq. 5].
+struct BounceFacts {
+  ShRgb transfer;  ///< c[SSGI], three vectors
+  glm::vec3 irradiance;
+  /// E_ind under light of irradiance 1 from one side, as the camera sees it.
+  glm::vec3 from_left;
+  glm::vec3 from_right;
+};
+
 /// What is drawn and said of one point.
 struct PointFacts {
   FigurePoint point;
   Sh4 visibility;
-  glm::vec3 irradiance;
+  glm::vec3 irradiance;  ///< with the bounce, where its coefficients are stored
   std::optional<glm::vec3> switched;
+  std::optional<BounceFacts> bounce;
 };
+
+/// Nine coefficients of red, then of green and of blue: bands 0 to 2.
+BounceFacts bounce_at(const Image& image, const FigurePoint& point, const ShRgb& light) {
+  const std::span<const float> v = image.pixel(point.x, point.y);
+  const auto vector = [&](std::size_t first) {
+    const auto* const c = &v[first];
+    return sh4(vec4(c[0], c[1], c[2], c[3]), vec4(c[4], c[5], c[6], c[7]), vec4(c[8], 0, 0, 0),
+               vec4(0));
+  };
+  BounceFacts facts{{vector(0), vector(9), vector(18)}, {}, {}, {}};
+  const ShRgb& f = facts.transfer;
+  facts.irradiance = {sh_dot(light.r, f.r), sh_dot(light.g, f.g), sh_dot(light.b, f.b)};
+  facts.from_left = sh_dot_rgb(f, sh_basis(vec3(-1, 0, 0)));
+  facts.from_right = sh_dot_rgb(f, sh_basis(vec3(1, 0, 0)));
+  return facts;
+}
+
+/// c[S3HO] + c[SSGI], for each colour.
+ShRgb with_visibility(const PointFacts& facts) {
+  ShRgb sum = facts.bounce->transfer;
+  sum.r = sh_add_scaled(sum.r, facts.visibility, 1.0f);
+  sum.g = sh_add_scaled(sum.g, facts.visibility, 1.0f);
+  sum.b = sh_add_scaled(sum.b, facts.visibility, 1.0f);
+  return sum;
+}
 
 json point_json(const PointFacts& facts, const Image& coefficients) {
   const auto values = coefficients.pixel(facts.point.x, facts.point.y);
@@ -134,6 +170,11 @@ json point_json(const PointFacts& facts, const Image& coefficients) {
                  {"ambient_occlusion", 1.1283791671 * double(values[0])},
                  {"irradiance", vector_json(facts.irradiance)}};
   if (facts.switched) object["irradiance_switched"] = vector_json(*facts.switched);
+  if (facts.bounce) {
+    object["irradiance_indirect"] = vector_json(facts.bounce->irradiance);
+    object["indirect_of_light_from_the_left"] = vector_json(facts.bounce->from_left);
+    object["indirect_of_light_from_the_right"] = vector_json(facts.bounce->from_right);
+  }
   return object;
 }
 
@@ -161,6 +202,20 @@ SpherePanel point_panel(const PointFacts& facts, const Pictures& pictures, doubl
           note};
 }
 
+/// The bounce at a point on its own, enlarged, and with what is open (Fig. 4).
+std::vector<SpherePanel> bounce_panels(const PointFacts& facts, double reach, int size) {
+  const BounceFacts& bounce = *facts.bounce;
+  const double own = colour_lobe_reach(bounce.transfer);
+  const ShRgb sum = with_visibility(facts);
+  return {
+      {fmt::format("{}: c[SSGI]", facts.point.label), draw_colour_lobe(bounce.transfer, own, size),
+       fmt::format("enlarged {:.3g} times; light from the left adds {}, from the right {}",
+                   reach / own, vector_text(bounce.from_left), vector_text(bounce.from_right))},
+      {fmt::format("{}: c[S3HO] + c[SSGI]", facts.point.label),
+       draw_colour_lobe(sum, std::max(reach, colour_lobe_reach(sum)), size),
+       fmt::format("indirect E = {}", vector_text(bounce.irradiance))}};
+}
+
 std::vector<MarkedPoint> marks(const FigureSettings& settings) {
   std::vector<MarkedPoint> points;
   for (const FigurePoint& point : settings.points) {
@@ -169,23 +224,25 @@ std::vector<MarkedPoint> marks(const FigureSettings& settings) {
   return points;
 }
 
-/// All that is computed before anything is drawn.
-struct Lit {
+/// The light of the scene, the same with two of its lights in each other's places, and what it
+/// falls on.
+struct SceneLight {
   ShRgb light;
-  std::optional<ShRgb> switched_light;
-  std::optional<Image> switched;  ///< radiance
-  double relighting_error = 0.0;
+  std::optional<ShRgb> switched;
+  glm::vec3 albedo = glm::vec3(0.0f);  ///< only where lights are switched
 };
 
-Lit light_up(const FigureSettings& settings, const LobeSource& source, const std::string& where) {
-  const SceneSettings& wanted = source.experiment.scene;
+SceneLight scene_light(const FigureSettings& settings, const LobeSource& source,
+                       const std::string& where) {
+  const BenchSettings& bench = source.experiment.benches[settings.bench];
+  const SceneSettings& wanted = bench.scene;
   const Scene scene = load_scene(scene_path(wanted.source));
   const View view{find_camera(scene, wanted.view), wanted.width, wanted.height};
   const ViewSettings looked{.scene = wanted.source,
                             .view = wanted.view,
                             .width = wanted.width,
                             .height = wanted.height,
-                            .probe = source.experiment.probe};
+                            .probe = bench.probe};
   const ProbeSettings probe = probe_of(looked, scene);
   const Environment environment =
       probe.source.empty() ? constant_environment(glm::vec3(0.0f)) : load_environment(probe);
@@ -193,13 +250,27 @@ Lit light_up(const FigureSettings& settings, const LobeSource& source, const std
   const auto incoming = [&](const std::vector<Light>& lights) {
     return incoming_light(Lighting(environment, lights, view), window, where);
   };
-  Lit result;
-  result.light = incoming(scene.lights);
-  if (settings.switched.empty()) return result;
+  SceneLight found{incoming(scene.lights), std::nullopt};
+  if (settings.switched.empty()) return found;
+  found.albedo = one_albedo(scene, where);
+  found.switched = incoming(switched_lights(scene.lights, settings.switched, where));
+  return found;
+}
+
+/// All that is computed before anything is drawn.
+struct Lit {
+  SceneLight light;
+  std::optional<Image> switched;  ///< radiance
+  double relighting_error = 0.0;
+};
+
+Lit light_up(const FigureSettings& settings, const LobeSource& source, const std::string& where) {
+  Lit result{scene_light(settings, source, where), std::nullopt};
+  if (!result.light.switched) return result;
   const Image& coefficients = source.layers.at("sh_visibility");
-  const glm::vec3 albedo = one_albedo(scene, where);
+  const glm::vec3& albedo = result.light.albedo;
   result.relighting_error =
-      relative_difference(lit(coefficients, result.light, albedo, source.mask),
+      relative_difference(lit(coefficients, result.light.light, albedo, source.mask),
                           source.layers.at("radiance"), source.mask);
   if (!(result.relighting_error <= largest_relighting_error)) {
     throw InputError(fmt::format(
@@ -207,8 +278,7 @@ Lit light_up(const FigureSettings& settings, const LobeSource& source, const std
         "{:.2g} mean luminances (RMS); accepted is {:g}",
         where, result.relighting_error, largest_relighting_error));
   }
-  result.switched_light = incoming(switched_lights(scene.lights, settings.switched, where));
-  result.switched = lit(coefficients, *result.switched_light, albedo, source.mask);
+  result.switched = lit(coefficients, *result.light.switched, albedo, source.mask);
   return result;
 }
 
@@ -220,8 +290,14 @@ std::vector<PointFacts> point_facts(const FigureSettings& settings, const LobeSo
       throw InputError(fmt::format("{}: point '{}' shows no surface", where, point.label));
     }
     const Sh4 c = coefficients_at(source.layers.at("sh_visibility"), point.x, point.y);
-    PointFacts facts{point, c, sh_dot_rgb(light.light, c), std::nullopt};
-    if (light.switched_light) facts.switched = sh_dot_rgb(*light.switched_light, c);
+    PointFacts facts{point, c, sh_dot_rgb(light.light.light, c), {}, {}};
+    if (const auto& switched = light.light.switched) {
+      facts.switched = sh_dot_rgb(*switched, c);
+    }
+    if (const Image* bounce = source.layers.find("sh_bounce")) {
+      facts.bounce = bounce_at(*bounce, point, light.light.light);
+      facts.irradiance += facts.bounce->irradiance;
+    }
     all.push_back(facts);
   }
   return all;
@@ -240,29 +316,36 @@ DrawnLobes draw_lobes(const FigureSettings& settings, const LobeSource& source) 
 
   double reach = 0.0;
   for (const PointFacts& facts : points) reach = std::max(reach, lobe_reach(facts.visibility));
-  const double white = light_reach(light.light);
+  const double white = light_reach(light.light.light);
   const int size = std::clamp(source.mask.width() / 5, 120, 360);
   LobeFigure figure;
   figure.title = settings.title;
   const std::string title = find_method(source.cell.method).title;
   figure.panels.push_back({light.switched ? title : title + ", lit as the scene is", source.colour,
                            draw_points(pictures.lit, marks(settings))});
-  figure.spheres.push_back(point_panel(points.front(), pictures, reach, size));
-  figure.spheres.push_back({"incoming light", draw_light_sphere(light.light, white, size), ""});
+  const auto add_point = [&](const PointFacts& facts) {
+    figure.spheres.push_back(point_panel(facts, pictures, reach, size));
+    if (!facts.bounce) return;
+    std::ranges::move(bounce_panels(facts, reach, size), std::back_inserter(figure.spheres));
+  };
+  add_point(points.front());
+  figure.spheres.push_back(
+      {"incoming light", draw_light_sphere(light.light.light, white, size), ""});
   if (light.switched) {
     figure.panels.front().label += ", lights as they are";
     figure.panels.push_back({title + ", lights switched", source.colour,
                              draw_points(pictures.switched, marks(settings))});
     figure.spheres.push_back(
-        {"switched", draw_light_sphere(*light.switched_light, white, size), ""});
+        {"switched", draw_light_sphere(*light.light.switched, white, size), ""});
   }
-  if (points.size() > 1) figure.spheres.push_back(point_panel(points[1], pictures, reach, size));
+  if (points.size() > 1) add_point(points[1]);
   figure.caption = fmt::format(
       "{}{}Lobes: distance from the middle is |c[S3HO] . y(d)|, red where positive, blue where "
-      "negative; the grey circle is {:.3g}. Spheres: c[Lin] . y(d), as seen from the camera. "
+      "negative; the grey circle is {:.3g}. {}Spheres: c[Lin] . y(d), as seen from the camera. "
       "Colour "
       "fields: the picture at the point{}. E: irradiance (R, G, B).{}",
       settings.caption, settings.caption.empty() ? "" : "\n", reach,
+      points.front().bounce ? "Of the bounce, three vectors: their own colour. " : "",
       light.switched ? ", and with the lights switched" : "",
       light.switched ? fmt::format(" The switched picture is the stored coefficients under the "
                                    "other light; under the lights as they are these differ from "

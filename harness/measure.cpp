@@ -132,7 +132,7 @@ class Measurer {
           row.value = mean(values);
           row.n = long(values.size());
           if (values.size() >= 2 && std::isfinite(*row.value)) {
-            const double half = student_half_width(values);
+            const double half = student_half_width(values, confidence);
             row.lower = *row.value - half;
             row.upper = *row.value + half;
           }
@@ -173,11 +173,6 @@ class Measurer {
     return row;
   }
 
-  static double student_half_width(const std::vector<double>& values) {
-    const double n = double(values.size());
-    return student_quantile(0.5 + 0.5 * confidence, n - 1.0) * std::sqrt(variance(values) / n);
-  }
-
   /// Geometric mean of the ratios seed by seed, Student's interval of its logarithm.
   static Estimate metric_ratio(const GroupStage& stage_of_a, const GroupStage& stage_of_b,
                                const GroupStage::ViewAndMetric& name) {
@@ -204,7 +199,7 @@ class Measurer {
     }
     estimate.value = std::exp(mean(logarithms));
     if (logarithms.size() >= 2) {
-      const double half = student_half_width(logarithms);
+      const double half = student_half_width(logarithms, confidence);
       estimate.interval =
           Interval{*estimate.value * std::exp(-half), *estimate.value * std::exp(half), confidence};
     }

@@ -30,18 +30,9 @@ struct StageImage {
 };
 std::vector<StageImage> stage_images(const Layers& layers);
 
-/// A part of the picture in which the metrics are measured on their own, as of a view of its own.
-struct Region {
-  std::string name;
-  Rectangle rectangle;
-};
-
 /// "main [90-degree corner]": the view of a region's measurements.
 std::string view_of_region(const std::string& view, const std::string& region);
 bool is_region(const Measurement& measurement);
-
-/// The rows of the experiment's closeup figures: what a closeup shows is also measured there.
-std::vector<Region> regions(const Experiment& experiment);
 
 /// All metrics of all cells against the reference cell, before and after the filter: seed by seed;
 /// their mean over the seeds; noise and bias over the seeds; and ratios and differences of two

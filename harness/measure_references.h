@@ -14,11 +14,13 @@ namespace occlab {
 struct ReferenceImages {
   std::string view;  ///< as measurements name it
   std::optional<Rectangle> rectangle;
+  bool point = false;
   Image radiance;
   Image mask;
   Image variance;   ///< empty if the method gives none
   Image occlusion;  ///< empty if the method gives none
 
+  /// All metrics (of a point none), and brightness.
   std::vector<MetricValue> measure(const Image& test) const;
 };
 

@@ -4,6 +4,8 @@
 #include <array>
 #include <string_view>
 
+#include "harness/metrics/brightness.h"
+
 namespace occlab {
 
 Facts facts_of(const Measurement& measurement) {
@@ -75,10 +77,14 @@ bool is_of_reference(const Measurement& measurement) {
   return measurement.metric.starts_with("reference_");
 }
 
+bool is_brightness(const Measurement& measurement) {
+  return is_brightness_metric(measurement.metric);
+}
+
 bool is_accuracy(const Measurement& measurement) {
   return !is_time(measurement) && !is_exponent(measurement) && !is_over_seeds(measurement) &&
-         !is_spectrum(measurement) && !is_budget(measurement) && !is_of_reference(measurement) &&
-         !compared_metric(measurement.metric);
+         !is_spectrum(measurement) && !is_brightness(measurement) && !is_budget(measurement) &&
+         !is_of_reference(measurement) && !compared_metric(measurement.metric);
 }
 
 bool comparable(const Measurement& a, const Measurement& b) {

@@ -50,8 +50,11 @@ bool is_budget(const Measurement& measurement);
 /// `reference_...`: how well the reference is known (certification.h).
 bool is_of_reference(const Measurement& measurement);
 
+/// `mean_red` and its like: a picture's own brightness, which is no error (metrics/brightness.h).
+bool is_brightness(const Measurement& measurement);
+
 /// A metric of one image against the reference: neither a time, nor over seeds, nor a
-/// spectrum's, nor comparing, nor a part of the error.
+/// brightness, nor a spectrum's, nor comparing, nor a part of the error.
 bool is_accuracy(const Measurement& measurement);
 
 /// Two rows that stand for two methods under the same conditions: all is equal, parameters that

@@ -145,7 +145,9 @@ class Run {
       std::vector<Table> made = make_tables(found.rows, settings);
       write_tables(made, tools_.store().folder() / "tables");
       if (!experiment_.figures.empty()) {
-        benches_.front()->draw_figures(tools_.store().folder() / "figures");
+        std::vector<FigureBench> benches;
+        for (const auto& bench : benches_) benches.push_back(bench->for_figures());
+        write_figures(experiment_, benches, tools_.store().folder() / "figures");
       }
       return made;
     });

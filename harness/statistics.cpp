@@ -194,6 +194,12 @@ double student_quantile(double probability, double degrees) {
   return bisect(low, 0.0, [&](double t) { return student_cdf(t, degrees) - probability; });
 }
 
+double student_half_width(std::span<const double> sample, double confidence) {
+  require_confidence(confidence);
+  const double n = double(sample.size());
+  return student_quantile(0.5 + 0.5 * confidence, n - 1.0) * std::sqrt(variance(sample) / n);
+}
+
 double median_ratio(std::span<const double> a, std::span<const double> b) {
   return median(paired_ratios(a, b));
 }

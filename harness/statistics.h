@@ -44,6 +44,9 @@ double normal_quantile(double probability);
 double student_cdf(double t, double degrees);
 double student_quantile(double probability, double degrees);
 
+/// Half of Student's interval of a mean; needs two values or more.
+double student_half_width(std::span<const double> sample, double confidence = 0.95);
+
 /// Deterministic uniform integers in [0, count), the same on every platform and library:
 /// std::uniform_int_distribution is not specified to that extent. 0 < count < 2^32; the bias of
 /// count / 2^32 is far below what resampling can see.

@@ -76,4 +76,11 @@ Table noise_table(const std::vector<Measurement>& measurements, const std::strin
   return table;
 }
 
+Table brightness_table(const std::vector<Measurement>& measurements, const std::string& stage) {
+  const Rows rows = select_rows(
+      measurements, [&](const Measurement& m) { return m.stage == stage && is_brightness(m); });
+  return metric_table(rows, "brightness_" + stage,
+                      fmt::format("Brightness in closeups and at points, {}", stage), {});
+}
+
 }  // namespace occlab

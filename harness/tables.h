@@ -51,6 +51,9 @@ struct Table {
 Table accuracy_table(const std::vector<Measurement>& measurements, const std::string& stage,
                      const Comparisons& comparisons = {});
 
+/// How bright the pictures themselves are: means over the seeds with intervals, at one stage.
+Table brightness_table(const std::vector<Measurement>& measurements, const std::string& stage);
+
 /// Noise and bias at one stage, with intervals. `comparisons`: compare_noise().
 Table noise_table(const std::vector<Measurement>& measurements, const std::string& stage,
                   const Comparisons& comparisons = {});

@@ -197,6 +197,16 @@ def sun(name, comes_from, colour, irradiance):
     return thing
 
 
+def lamp(name, position, colour, intensity):
+    """A light at a point; `intensity` in W/sr, times `colour`."""
+    data = bpy.data.lights.new(name, "POINT")
+    data.color, data.energy, data.shadow_soft_size = colour, 4.0 * math.pi * intensity, 0.0
+    thing = bpy.data.objects.new(name, data)
+    thing.location = position
+    bpy.context.scene.collection.objects.link(thing)
+    return thing
+
+
 def probe_world(name, strength=1.0):
     """Lights the scene with scenes/probes/<name>.exr, its radiance times `strength`."""
     world = bpy.data.worlds.new(name)

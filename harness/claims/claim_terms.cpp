@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <string_view>
 
+#include "harness/config.h"
 #include "harness/measure.h"
+#include "harness/metrics/brightness.h"
 #include "harness/metrics/metrics.h"
 #include "renderers/scene/error.h"
 
@@ -70,7 +73,22 @@ bool has_parameter(const MethodInfo& method, const std::string& name) {
          std::ranges::find(method.parameters, name, &Parameter::name) != method.parameters.end();
 }
 
-void check_filter(const std::string& name, const std::string& value, const MethodInfo& method) {
+/// What times alone are measured at, beside the methods' parameters.
+bool is_axis_of_times(const std::string& name) {
+  return name == triangles_axis || name == threads_axis;
+}
+
+void check_axis(const std::string& name, const std::string& value) {
+  const bool whole = !value.empty() && std::ranges::all_of(value, [](unsigned char c) {
+    return std::isdigit(c) != 0;
+  });
+  if (whole) return;
+  throw InputError(fmt::format("{} '{}'; accepted: a whole number", name, value));
+}
+
+void check_filter(const std::string& name, const std::string& value, const MethodInfo& method,
+                  ClaimMetric kind) {
+  if (is_axis_of_times(name) && kind == ClaimMetric::time) return check_axis(name, value);
   if (const Column* const column = find_column(name)) {
     const std::vector<std::string> accepted(column->accepted.begin(), column->accepted.end());
     if (accepted.front().empty() || std::ranges::find(accepted, value) != accepted.end()) return;
@@ -112,6 +130,7 @@ ClaimMetric claim_metric(const std::string& name) {
   if (name.starts_with("time_exponent.") && std::ranges::count(name, '.') == 2) {
     return ClaimMetric::exponent;
   }
+  if (is_brightness_metric(name)) return ClaimMetric::seeds;
   const bool known = std::ranges::find(metrics(), name, &MetricInfo::name) != metrics().end();
   if (known && has_no_ratios(name)) {
     throw InputError(
@@ -130,12 +149,14 @@ std::vector<std::string> claim_metrics() {
   for (const MetricInfo& metric : metrics()) {
     if (!has_no_ratios(metric.name)) names.push_back(metric.name);
   }
+  for (const BrightnessInfo& metric : brightness_metrics()) names.emplace_back(metric.name);
   return names;
 }
 
 std::vector<std::string> filter_names(const std::vector<MethodInfo>& methods) {
   std::vector<std::string> names;
   for (const Column& column : columns) names.emplace_back(column.name);
+  names.insert(names.end(), {triangles_axis, threads_axis});
   for (const MethodInfo& method : methods) {
     for (const Parameter& parameter : method.parameters) {
       const bool known = std::ranges::find(names, parameter.name) != names.end();
@@ -149,13 +170,14 @@ bool takes_filter(const ClaimTerm& term, const std::string& name,
                   const std::vector<MethodInfo>& methods) {
   if (name == "stage") return has_stage(claim_metric(term.metric));
   if (find_column(name)) return true;
+  if (is_axis_of_times(name)) return claim_metric(term.metric) == ClaimMetric::time;
   return has_parameter(method_of(term, methods), name);
 }
 
 void check_term(const ClaimTerm& term, const std::vector<MethodInfo>& methods) {
   const ClaimMetric kind = claim_metric(term.metric);
   const MethodInfo& method = method_of(term, methods);
-  for (const auto& [name, value] : term.filters) check_filter(name, value, method);
+  for (const auto& [name, value] : term.filters) check_filter(name, value, method, kind);
   if (has_stage(kind) != (term.filter("stage") != nullptr)) {
     throw InputError(fmt::format("{}: {}", to_string(term),
                                  has_stage(kind) ? "stage missing; accepted: unfiltered, filtered"

@@ -11,7 +11,7 @@ namespace occlab {
 
 /// What is known of a metric of claims, which decides on its statistics.
 enum class ClaimMetric {
-  seeds,       ///< an accuracy: a value for every seed
+  seeds,       ///< an accuracy, or a brightness: a value for every seed
   noise,       ///< over the seeds, with a jackknife interval
   difference,  ///< bias_squared, which may be estimated below 0: differences alone have a meaning
   time,        ///< time_ms.PASS

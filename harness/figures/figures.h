@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -61,6 +62,28 @@ struct CloseupFigure {
 /// of the largest rectangle's closeup; a smaller rectangle is magnified as many whole times as fit,
 /// and each row says how many. Every frame pixel stays a square of one colour.
 Image closeup_figure(const CloseupFigure& figure);
+
+/// A column or a row of a grid.
+struct GridHeading {
+  std::string label;
+  DisplayColour colour = {};           ///< of its label
+  std::string note;                    ///< what else its panels share
+  std::optional<Rectangle> rectangle;  ///< a row of closeups: pixels, inside the frame
+};
+
+struct GridFigure {
+  std::string title;
+  std::vector<GridHeading> columns;
+  std::vector<GridHeading> rows;
+  std::vector<Image> images;  ///< row by row: full frames of one size, display-referred
+  std::string caption;
+};
+
+/// Whole frames in columns and rows, and under them rows of closeups, whose numbered rectangles the
+/// whole frames show (Figs. 3, 4, 6 and 14 of the SSDO paper). Frames are made smaller by a whole
+/// factor where the page would be wider than 2600 pixels; closeups are as wide as they fit, every
+/// frame pixel a square of one colour.
+Image grid_figure(const GridFigure& figure);
 
 /// The image with numbered outlines, 1, 2, ... in the order given; outlines lie outside of the
 /// rectangles where the frame leaves room, so that what is shown enlarged stays visible.

@@ -32,6 +32,13 @@ glm::vec3 lattice_direction(int i) {
 
 double value(const Sh4& f, const glm::dvec3& d) { return sh_dot(f, sh_basis(glm::vec3(d))); }
 
+/// The largest |f(d)| of three functions.
+double distance_of(const ShRgb& f, const glm::dvec3& d) {
+  const glm::vec3 found = glm::abs(sh_dot_rgb(f, sh_basis(glm::vec3(d))));
+  return double(std::max({found.x, found.y, found.z}));
+}
+double distance_of(const Sh4& f, const glm::dvec3& d) { return std::abs(value(f, d)); }
+
 void check(int size, double scale, const char* what) {
   if (size < smallest_size) {
     throw InputError(
@@ -43,14 +50,16 @@ void check(int size, double scale, const char* what) {
 }
 
 /// Positive inside of the surface.
-double depth_inside(const Sh4& f, const glm::dvec3& p) {
+template <typename Function>
+double depth_inside(const Function& f, const glm::dvec3& p) {
   const double distance = glm::length(p);
   if (distance == 0.0) return 1.0;
-  return std::abs(value(f, p / distance)) - distance;
+  return distance_of(f, p / distance) - distance;
 }
 
 /// The surface's point in front of the rest at a place of the image.
-std::optional<glm::dvec3> front_point(const Sh4& f, double x, double y, double reach) {
+template <typename Function>
+std::optional<glm::dvec3> front_point(const Function& f, double x, double y, double reach) {
   const double squared = reach * reach - x * x - y * y;
   if (squared <= 0.0) return std::nullopt;
   const double front = std::sqrt(squared);
@@ -70,7 +79,8 @@ std::optional<glm::dvec3> front_point(const Sh4& f, double x, double y, double r
   return std::nullopt;
 }
 
-glm::dvec3 normal_at(const Sh4& f, const glm::dvec3& p, double reach) {
+template <typename Function>
+glm::dvec3 normal_at(const Function& f, const glm::dvec3& p, double reach) {
   const double h = 1e-3 * reach;
   glm::dvec3 gradient;
   for (int axis = 0; axis < 3; ++axis) {
@@ -121,15 +131,33 @@ float srgb(double linear) {
   return float(v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1.0 / 2.4) - 0.055);
 }
 
-}  // namespace
-
-double lobe_reach(const Sh4& f) {
+template <typename Function>
+double reach_of(const Function& f) {
   double reach = 0.0;
   for (int i = 0; i < direction_count; ++i) {
-    reach = std::max(reach, std::abs(double(sh_dot(f, sh_basis(lattice_direction(i))))));
+    reach = std::max(reach, distance_of(f, glm::dvec3(lattice_direction(i))));
   }
   return reach;
 }
+
+/// The surface where it is in front, in the colour that `colour` gives a direction.
+template <typename Function, typename Colour>
+Image draw_surface(const Function& f, double reach, int size, Colour colour) {
+  check(size, reach, "reach");
+  const double own = std::min(1.02 * reach_of(f), 1.0 / rim * reach);
+  const double line = 1.5 / (0.5 * rim * size);  // the circle's thickness, in reaches
+  return draw(size, [&](double x, double y) {
+    if (const auto point = front_point(f, x * reach, y * reach, own)) {
+      return shaded(colour(glm::normalize(*point)), normal_at(f, *point, reach));
+    }
+    return std::abs(std::hypot(x, y) - 1.0) < 0.5 * line ? circle : paper;
+  });
+}
+
+}  // namespace
+
+double lobe_reach(const Sh4& f) { return reach_of(f); }
+double colour_lobe_reach(const ShRgb& f) { return reach_of(f); }
 
 double light_reach(const ShRgb& light) {
   double reach = 0.0;
@@ -141,15 +169,17 @@ double light_reach(const ShRgb& light) {
 }
 
 Image draw_lobe(const Sh4& f, double reach, int size) {
-  check(size, reach, "reach");
-  const double own = std::min(1.02 * lobe_reach(f), 1.0 / rim * reach);
-  const double line = 1.5 / (0.5 * rim * size);  // the circle's thickness, in reaches
-  return draw(size, [&](double x, double y) {
-    if (const auto point = front_point(f, x * reach, y * reach, own)) {
-      const bool is_positive = value(f, glm::normalize(*point)) >= 0.0;
-      return shaded(is_positive ? positive : negative, normal_at(f, *point, reach));
-    }
-    return std::abs(std::hypot(x, y) - 1.0) < 0.5 * line ? circle : paper;
+  return draw_surface(f, reach, size, [&](const glm::dvec3& d) {
+    return value(f, d) >= 0.0 ? positive : negative;
+  });
+}
+
+Image draw_colour_lobe(const ShRgb& f, double reach, int size) {
+  return draw_surface(f, reach, size, [&](const glm::dvec3& d) {
+    const glm::vec3 found = glm::max(sh_dot_rgb(f, sh_basis(glm::vec3(d))), glm::vec3(0.0f));
+    const float largest = std::max({found.x, found.y, found.z, 1e-20f});
+    return DisplayColour{srgb(double(found.x / largest)), srgb(double(found.y / largest)),
+                         srgb(double(found.z / largest))};
   });
 }
 

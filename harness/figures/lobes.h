@@ -18,6 +18,11 @@ double lobe_reach(const Sh4& f);
 /// edge; one reach for several lobes makes them comparable.
 Image draw_lobe(const Sh4& f, double reach, int size);
 
+/// The same of three functions, those of red, green and blue: the surface's distance is the largest
+/// |f(d)| of them, its colour their positive parts over the largest of them.
+Image draw_colour_lobe(const ShRgb& f, double reach, int size);
+double colour_lobe_reach(const ShRgb& f);
+
 /// A sphere with, at every point, the light that comes from there: its radiance over `white`,
 /// clamped to [0, 1] and sRGB-encoded.
 Image draw_light_sphere(const ShRgb& light, double white, int size);

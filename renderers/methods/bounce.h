@@ -38,6 +38,9 @@ struct Bounce {
   /// An image of the values into the occlusion pass's targets behind those of the representation;
   /// null where a bounce has a pass of its own.
   void (*upload)(const Image& values, const Framebuffer& target) = nullptr;
+  /// Adds layers of what is stored, where the parameters ask for them; null for none.
+  void (*add_layers)(const Framebuffer& target, const ParameterSet& parameters,
+                     Layers& layers) = nullptr;
 };
 
 }  // namespace occlab

@@ -1,5 +1,8 @@
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <iterator>
+#include <vector>
 
 #include "renderers/methods/bounce.h"
 #include "renderers/methods/representation_layers.h"
@@ -11,6 +14,8 @@ namespace occlab {
 namespace {
 
 using Values = Bounce::Values;
+
+constexpr const char* keep_bounce = "keep_bounce";
 
 ShBounce coefficients_of(const Values& v) {
   ShBounce c;
@@ -62,6 +67,28 @@ void upload(const Image& values, const Framebuffer& target) {
   }
 }
 
+uvec4 texel(const std::vector<std::uint32_t>& values, std::size_t index) {
+  const std::uint32_t* v = &values[index * 4];
+  return uvec4(v[0], v[1], v[2], v[3]);
+}
+
+/// `sh_bounce`: nine coefficients of red, then of green and of blue.
+void add_coefficients(const Framebuffer& target, const ParameterSet& parameters, Layers& layers) {
+  if (parameters.choice(keep_bounce) == "no") return;
+  std::array<std::vector<std::uint32_t>, 4> bits;
+  for (std::size_t i = 0; i < bits.size(); ++i) {
+    bits[i] = target.colors()[2 + i].download_integers();
+  }
+  const Texture& red = target.colors()[2];
+  Image coefficients(red.width(), red.height(), Bounce::most_channels);
+  for (std::size_t p = 0; p < coefficients.pixel_count(); ++p) {
+    const Values v = values_of(sh_bounce_unpack(texel(bits[0], p), texel(bits[1], p),
+                                                texel(bits[2], p), texel(bits[3], p)));
+    std::ranges::copy(v, &coefficients.values()[p * v.size()]);
+  }
+  layers.add("sh_bounce", std::move(coefficients));
+}
+
 constexpr Bounce sh_bounce = {
     .channels = 27,
     .storage_error = 0x1p-11f,
@@ -74,6 +101,7 @@ constexpr Bounce sh_bounce = {
     .irradiance = irradiance,
     .result = [](Values& sums) { sums = values_of(sh_bounce_storable(coefficients_of(sums))); },
     .upload = upload,
+    .add_layers = add_coefficients,
 };
 
 const Representation& representation() {
@@ -90,6 +118,12 @@ const Representation& representation() {
 MethodInfo s3hogi() {
   std::vector<Parameter> parameters = s3ho_parameters();
   std::ranges::move(bounce_parameters("solid_angle"), std::back_inserter(parameters));
+  std::ranges::move(
+      of_factor(Factor::representation,
+                {choice_parameter(keep_bounce, {"no", "yes"},
+                                  "whether c[SSGI] is also a layer, sh_bounce: three vectors of "
+                                  "nine coefficients [S3HO eq. 5]; large")}),
+      std::back_inserter(parameters));
   const ScreenSpacePasses passes{
       .occlusion_shader = "renderers/methods/s3hogi.frag",
       .lighting_shader = "renderers/methods/s3hogi_lighting.frag",

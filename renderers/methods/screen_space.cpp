@@ -306,9 +306,11 @@ Layers ScreenSpaceMethod::evaluate(const Frame& frame, const ParameterSet& param
   if (const auto hidden = hidden_settings(parameters)) add_hidden_facts(frame, *hidden, facts);
   if (passes_.add_facts && !traces(parameters)) passes_.add_facts(parameters, facts);
   const Representation& representation = *passes_.representation;
-  representation.add_layers(representation.download(filters(parameters) ? *filtered_ : collected(),
-                                                    representation.channels),
-                            layers);
+  const Framebuffer& shown = filters(parameters) ? *filtered_ : collected();
+  representation.add_layers(representation.download(shown, representation.channels), layers);
+  if (representation.bounce && representation.bounce->add_layers) {
+    representation.bounce->add_layers(shown, parameters, layers);
+  }
   Image unfiltered;
   if (filters(parameters)) {
     std::size_t negative_unfiltered = 0;
