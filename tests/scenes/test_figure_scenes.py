@@ -19,7 +19,8 @@ import unittest
 from scene_files import SCENES, bounds, committed, lights, load, placed, points_along
 import glb  # found by scene_files
 
-NAMES = ("skyline", "atrium", "factory", "blocks", "columns", "toes")
+NAMES = ("skyline", "atrium", "factory", "blocks", "columns", "toes", "still_life",
+         "coloured_boxes")
 MIB = 2 ** 20
 
 
@@ -139,6 +140,34 @@ class FigureScenes(unittest.TestCase):
         self.assertEqual(facing, sorted(facing, reverse=True))
         self.assertGreater(facing[0], 0.4)
         self.assertLess(facing[3], -0.1)
+
+    def test_still_life_has_a_lamp_beside_the_yellow_box(self):
+        document, _ = committed("still_life")
+        self.assertEqual(self.occlab(document)["world"]["probe"], "cathedral")
+        self.assertEqual([light["type"] for light in lights(document)], ["point"])
+        self.assertAlmostEqual(lights(document)[0]["intensity"], 5.0, places=4)
+        box = placed(document, "yellow box")
+        self.assertGreater(placed(document, "lamp")[0][3], box[0][3] + 0.24)
+        yellow = material_of(document, "yellow box")["pbrMetallicRoughness"]["baseColorFactor"]
+        self.assertGreater(min(yellow[:2]), 5.0 * yellow[2])
+
+    def test_switched_lights_differ_in_their_places_alone(self):
+        as_they_are, _ = committed("three_boxes")
+        switched, _ = committed("three_boxes_switched")
+        self.assertEqual(lights(as_they_are), lights(switched))
+        self.assertEqual(as_they_are["meshes"], switched["meshes"])
+        for one, other in (("pink", "turquoise"), ("turquoise", "pink")):
+            for a, b in zip(points_along(placed(as_they_are, one)),
+                            points_along(placed(switched, other))):
+                self.assertAlmostEqual(a, b, places=6)
+
+    def test_coloured_boxes_stand_on_both_sides(self):
+        document, _ = committed("coloured_boxes")
+        for name, side, brightest in (("blue box", -1, 2), ("green box", 1, 1)):
+            self.assertGreater(side * placed(document, name)[0][3], 0.5)
+            colour = material_of(document, name)["pbrMetallicRoughness"]["baseColorFactor"][:3]
+            self.assertEqual(colour.index(max(colour)), brightest)
+        self.assertEqual(len(lights(document)), 2)
 
     def test_toes_touch_the_plinth(self):
         document, blob = committed("toes")

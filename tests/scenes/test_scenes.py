@@ -240,12 +240,14 @@ class Rebuilding(WithBlender):
         return out
 
     def test_scenes_of_figures(self):
-        for name in ("skyline", "atrium", "factory", "blocks", "columns", "toes"):
+        for name in ("skyline", "atrium", "factory", "blocks", "columns", "toes", "still_life",
+                     "coloured_boxes"):
             with self.subTest(scene=name):
                 self.rebuild(name)
 
     def test_three_boxes(self):
         self.rebuild("three_boxes")
+        self.rebuild("three_boxes_switched")
 
     def test_gallery(self):
         first = self.rebuild("gallery").read_bytes()
