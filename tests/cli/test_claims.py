@@ -219,8 +219,8 @@ class CommittedClaims(CliTest):
         def drop(width, samples, method):
             return 100 * (1 - rates[width, samples, method] / rates[width, samples, "ssao"])
 
-        self.assertIn(f"{drop('1200', '16', 'ssdo with 1 bounce'):.1f}%", texts["ssdo-bounce-22"])
-        self.assertIn(f"{drop('1024', '8', 'ssdo with 1 bounce'):.1f}%", texts["ssdo-bounce-19"])
+        self.assertIn(f"{drop('1200', '16', 'ssdogi'):.1f}%", texts["ssdo-bounce-22"])
+        self.assertIn(f"{drop('1024', '8', 'ssdogi'):.1f}%", texts["ssdo-bounce-19"])
         self.assertGreater(rates["1024", "8", "ssdo"], rates["1024", "8", "ssao"])
         slower = rates["1024", "8", "ssao"] / rates["1200", "8", "ssao"]
         self.assertIn(f"{slower:.2f} times as long", texts["ssdo-pixels"])
