@@ -26,9 +26,9 @@ LayerSides count_sides(std::span<const Image> sides);
 
 /// What the hidden surfaces of a view turned out to be, by name, and what that does. Layers:
 /// `open_mesh_pixels`, `overlapping_solid_pixels`, `full_layer_pixels`. Cameras: `cameras_blind`,
-/// how many see no surface, and so add none; `camera_surface_share`, the share of each one's pixels
-/// that show a surface; `camera_back_share`, the share of those that show it from its back, which
-/// is 0 outside of closed solids.
+/// how many see no surface; `camera_surface_share`, the share of each one's pixels that show a
+/// surface; `camera_back_share`, the share of those that show it from its back, which is 0 outside
+/// of closed solids: such pixels tell the march nothing.
 void add_hidden_facts(const Frame& frame, const HiddenSettings& settings, Metadata& facts);
 
 }  // namespace occlab

@@ -35,27 +35,28 @@ uniform mat4 camera_from_view[HIDDEN_CAMERAS];
 uniform vec2 camera_center;
 uniform float camera_focal_pixels;
 
-// Of the first surfaces that the cameras see, the view's own among them.
+// A sample that a camera sees to be free is free, whatever others say; one that is behind what all
+// of those see that have it on their screens is blocked by what is near enough. What a camera sees
+// from its back tells nothing: the camera is inside of it, or below an open floor.
 Blocker blocker_at(vec3 q, vec3 p, vec3 n) {
   Blocker blocker = no_blocker();
   vec2 place = project_to_pixel(q, image_center, focal_pixels);
   if (on_screen(q, place, image_center)) {
     vec4 surface = texelFetch(position_view, ivec2(place), 0);
-    if (surface.z > q.z + bias_world) {
-      blocker = nearer_blocker(blocker, surface, 0, ivec2(place), p, n, epsilon_world, d_max_world);
-    }
+    if (in_the_open(surface.w, surface.z, q.z, bias_world)) return no_blocker();
+    blocker = nearer_blocker(blocker, surface, 0, ivec2(place), p, n, epsilon_world, d_max_world);
   }
   for (int i = 0; i < HIDDEN_CAMERAS; ++i) {
     mat4 m = camera_from_view[i];
     vec3 there = in_camera(m[0], m[1], m[2], m[3], q);
     place = project_to_pixel(there, camera_center, camera_focal_pixels);
-    if (on_screen(there, place, camera_center)) {
-      vec4 surface = texelFetch(hidden_position, ivec3(place, i), 0);
-      if (in_camera(m[0], m[1], m[2], m[3], surface.xyz).z > there.z + bias_world) {
-        blocker =
-            nearer_blocker(blocker, surface, i + 1, ivec2(place), p, n, epsilon_world, d_max_world);
-      }
-    }
+    if (!on_screen(there, place, camera_center)) continue;
+    vec4 surface = texelFetch(hidden_position, ivec3(place, i), 0);
+    if (seen_from_back(surface.w)) continue;
+    float z = in_camera(m[0], m[1], m[2], m[3], surface.xyz).z;
+    if (in_the_open(surface.w, z, there.z, bias_world)) return no_blocker();
+    blocker =
+        nearer_blocker(blocker, surface, i + 1, ivec2(place), p, n, epsilon_world, d_max_world);
   }
   return blocker;
 }

@@ -111,11 +111,11 @@ Blocker DepthMarch::behind_pairs(const ShadedPoint& point, glm::vec3 q) const {
 /// The same with cameras.
 Blocker DepthMarch::behind_cameras(const ShadedPoint& point, glm::vec3 q) const {
   Blocker blocker = no_blocker();
+  const float bias = constants_.bias_world;
   if (const std::optional<glm::ivec2> pixel = pixel_of(q)) {
     const glm::vec4 surface = surface_at(surface_, *pixel);
-    if (surface.z > q.z + constants_.bias_world) {
-      blocker = nearer(blocker, surface, 0, *pixel, point);
-    }
+    if (in_the_open(surface.w, surface.z, q.z, bias)) return no_blocker();
+    blocker = nearer(blocker, surface, 0, *pixel, point);
   }
   for (std::size_t i = 0; i < hidden_->cameras.size(); ++i) {
     const View& view = hidden_->cameras[i].view;
@@ -126,10 +126,10 @@ Blocker DepthMarch::behind_cameras(const ShadedPoint& point, glm::vec3 q) const 
     if (!on_screen(there, place, center)) continue;
     const glm::ivec2 pixel(place);
     const glm::vec4 surface = surface_at(hidden_->images[i], pixel);
+    if (seen_from_back(surface.w)) continue;
     const float z = in_camera(m[0], m[1], m[2], m[3], glm::vec3(surface)).z;
-    if (z > there.z + constants_.bias_world) {
-      blocker = nearer(blocker, surface, int(i) + 1, pixel, point);
-    }
+    if (in_the_open(surface.w, z, there.z, bias)) return no_blocker();
+    blocker = nearer(blocker, surface, int(i) + 1, pixel, point);
   }
   return blocker;
 }

@@ -46,6 +46,15 @@ SHARED vec3 in_camera(vec4 x, vec4 y, vec4 z, vec4 origin, vec3 q) {
   return moved;
 }
 
+// Whether a sample is in front of the first surface of its pixel, or there is none (seen: 0): it is
+// in the open. z of both in the camera's space.
+SHARED bool in_the_open(float seen, float surface_z, float sample_z, float bias) {
+  return seen == 0.0f || surface_z <= sample_z + bias;
+}
+
+// Whether a hidden surface's triangle is seen from its back (1: from its front).
+SHARED bool seen_from_back(float seen) { return seen > 1.5f; }
+
 // The nearest to p of the surfaces that block a step. `source`: 0 for the first surface seen from
 // the view's camera; i + 1 for that of layer or camera i.
 struct Blocker {

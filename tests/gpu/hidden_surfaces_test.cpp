@@ -218,7 +218,8 @@ TEST(Layers, OfAnOpenMeshCountAsASingleLayerAndAreCounted) {
   EXPECT_EQ(facts.at("overlapping_solid_pixels"), "0");
 
   const TestFrame closed(floating_slab(), over_the_slab, constant_environment(glm::vec3(1)));
-  closed.evaluate("ssao", {{"visibility", std::string("peeled")}, {"layers", 6L}}, &facts);
+  closed.evaluate("ssao", {{"visibility", std::string("peeled")}, {"layers", 6L}, {"samples", 4L}},
+                  &facts);
   EXPECT_EQ(facts.at("open_mesh_pixels"), "0");
   EXPECT_EQ(facts.at("overlapping_solid_pixels"), "0");
   EXPECT_EQ(facts.at("full_layer_pixels"), "0");
@@ -248,7 +249,8 @@ TEST(Layers, OfMirroredInstancesAreSeenFromTheirRightSide) {
   for (Instance& instance : scene.instances) instance.world_from_object[0][0] = -1.0f;
   const TestFrame test(scene, over_the_slab, constant_environment(glm::vec3(1)));
   Metadata facts;
-  test.evaluate("ssao", {{"visibility", std::string("peeled")}, {"layers", 6L}}, &facts);
+  test.evaluate("ssao", {{"visibility", std::string("peeled")}, {"layers", 6L}, {"samples", 4L}},
+                &facts);
   EXPECT_EQ(facts.at("open_mesh_pixels"), "0");
 }
 
@@ -328,18 +330,44 @@ TEST(Cameras, LookAtWhatIsInTheMiddleOfTheView) {
             glm::inverse(hidden.cameras[0].camera_from_view)[3].x);
 }
 
-TEST(Cameras, ThatSeeNothingAreCountedAndAddNothing) {
-  // Moved by 100 radii, they are beyond their far planes from everything.
-  View view = before_the_board;
-  view.camera.zfar = 8.0f;
-  const TestFrame test(hidden_post(), view, constant_environment(glm::vec3(1)));
+TEST(Cameras, TakeAwayTheShadowBehindWhatIsInFrontOfTheView) {
+  // What the view takes for solid behind the slab, the others see to be free.
+  const glm::vec3 toward_sun = glm::normalize(glm::vec3(0.5f, 1.0f, 0.35f));
+  const View low = look_at({0.3f, 1.5f, 4.0f}, {0, 0.2f, 0}, 0.5f, 96, 72);
+  const TestFrame test(floating_slab(), low, darkness(), {sun_toward(toward_sun)});
+  const auto shadow = [&](const char* visibility) {
+    const Image radiance = test.layer("ssdo", "radiance",
+                                      {{"visibility", std::string(visibility)},
+                                       {"camera_scale", 2.0},
+                                       {"filter", std::string("none")},
+                                       {"steps", 64L},
+                                       {"d_max_world", 1.6}});
+    return count_shadow(test, radiance, [&](glm::vec3 p, float margin) {
+      return meets_box(p, toward_sun, slab_low, slab_high, margin);
+    });
+  };
+  const ShadowCount one = shadow("depth");
+  const ShadowCount several = shadow("multiview");
+  EXPECT_GT(one.wrongly_dark, 50);
+  EXPECT_LT(several.wrongly_dark, 0.1 * one.wrongly_dark);
+  EXPECT_LT(several.wrongly_lit, 0.02 * several.in_shadow);
+}
+
+TEST(Cameras, ThatSeeBacksOrNothingTellNothing) {
+  const View above = look_at({0, 2, 4}, {0, 0.3f, 0}, 0.6f, 48, 36);
+  SceneBuilder scene;
+  scene.add(quad({-9, 0, -9}, {0, 0, 18}, {18, 0, 0}));
+  scene.add(quad({-0.5f, 0, 0}, {1.0f, 0, 0}, {0, 1.0f, 0}));
+  add_box(scene, {-30, 10, -30}, {30, 70, 30});
+  const TestFrame test(scene.build(), above, constant_environment(glm::vec3(1)));
+  // Up by half of the scene's radius: inside of the box.
   Metadata facts;
-  const Layers blind = test.evaluate(
-      "ssao", {{"visibility", std::string("multiview")}, {"camera_offset", 100.0}}, &facts);
-  EXPECT_EQ(facts.at("camera_back_share"), "0.000 0.000 0.000 0.000");
-  const Layers seeing = test.evaluate("ssao", {{"visibility", std::string("multiview")}}, &facts);
+  const Values inside = {
+      {"visibility", std::string("multiview")}, {"cameras", 1L}, {"camera_offset", 0.5}};
+  const Layers seen = test.evaluate("ssao", inside, &facts);
+  EXPECT_EQ(facts.at("camera_back_share"), "1.000");
   EXPECT_EQ(facts.at("cameras_blind"), "0");
-  EXPECT_NE(seeing.at("radiance"), test.layer("ssao", "radiance", {}));
+  EXPECT_EQ(seen.at("radiance"), test.layer("ssao", "radiance", {}));
 }
 
 }  // namespace
