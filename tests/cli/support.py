@@ -17,6 +17,8 @@ import zlib
 sys.dont_write_bytecode = True
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 OCCLAB = pathlib.Path(os.environ.get("OCCLAB", ROOT / "build/release/occlab")).resolve()
+# What a sanitizer's own library does not bear: another one before it, and a process without files.
+not_sanitized = unittest.skipIf(os.environ.get("OCCLAB_SANITIZE"), "not with a sanitizer")
 sys.path.insert(0, str(ROOT / "scenes"))
 import exr  # noqa: E402
 import glb  # noqa: E402

@@ -6,10 +6,11 @@ import pathlib
 import subprocess
 import time
 
-from support import ROOT, occlab, session_folder
+from support import ROOT, not_sanitized, occlab, session_folder
 from survival import Survival
 
 
+@not_sanitized
 class Driver(Survival):
     """A library in front of the driver makes it fail (broken_driver.c)."""
 

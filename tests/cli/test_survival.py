@@ -12,7 +12,7 @@ import subprocess
 import sys
 import time
 
-from support import OCCLAB, occlab
+from support import OCCLAB, not_sanitized, occlab
 from survival import TINY, Survival, undisturbed
 
 KILLS = 200
@@ -89,6 +89,7 @@ class Machine(Survival):
             subprocess.run(["umount", self.out], check=True)
         self.goes_on()
 
+    @not_sanitized
     def test_out_of_file_handles(self):
         """From none to enough of them: finished, or said and gone on from."""
         failed = 0
@@ -130,6 +131,7 @@ class Machine(Survival):
         again = self.good("run", self.experiment, "--out", self.out)
         self.assertIn("everything is done", again.stderr)
 
+    @not_sanitized
     def test_a_clock_that_is_another(self):
         if not shutil.which("faketime"):
             self.skipTest("needs faketime")
