@@ -10,6 +10,7 @@
 #include "renderers/methods/pass_constants.h"
 #include "renderers/methods/representation_layers.h"
 #include "renderers/scene/error.h"
+#include "renderers/scene/interrupt.h"
 
 namespace occlab {
 namespace {
@@ -213,6 +214,7 @@ void MappedLighting::add(const Frame& frame, const ParameterSet& parameters,
   const float rounding = rounding_share * sphere_around(frame.scene).radius;
   const std::optional<HiddenSettings> layers = correction_layers(parameters);
   for (const MappedLight& light : lights) {
+    throw_if_interrupted();
     shadow_maps.draw(light.projection, frame.scene, frame.gpu_scene, frame.programs);
     const Program& program = use_frame_program(
         frame, parameters, mapped_light_shader,
