@@ -110,12 +110,16 @@ Layers render_budget(Workbench& bench, const BudgetCell& cell, const BudgetSetti
                 converge(surface, frame.lighting, traced_visibility(traced, frame.view, constants),
                          methods, convergence),
                 layers, facts);
-  add_converged(cell, "depth",
-                converge(surface, frame.lighting, depth_visibility(surface, frame.view, constants),
-                         methods, convergence),
-                layers, facts);
+  const ParameterSet& parameters = cell.variants.front().planned.parameters;
+  add_converged(
+      cell, "depth",
+      converge(surface, frame.lighting, visibility_source(frame, parameters), methods, convergence),
+      layers, facts);
+  std::optional<HiddenSettings> hidden = hidden_settings(parameters);
+  if (hidden) hidden->complete = true;
   Failures failures =
-      classify_failures(surface, frame.view, traced, frame.lighting, constants, convergence);
+      classify_failures(surface, frame.view, traced, frame.lighting, constants, convergence,
+                        hidden ? &frame.hidden_images(*hidden) : nullptr);
   facts["classes_standard_error"] = fmt::format("{}", failures.standard_error);
   facts["classes_directions"] = std::to_string(failures.directions);
   facts["classes_reached"] = failures.reached ? "yes" : "no";

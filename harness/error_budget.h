@@ -13,8 +13,8 @@
 namespace occlab {
 
 // Why a method is wrong. With R the reference, T the method with traced visibility and D with the
-// depth buffer's, both converged over their directions and not filtered, X the method's image and F
-// the same filtered:
+// march of its own (through the depth buffer, several layers of it or several cameras'), both
+// converged over their directions and not filtered, X the method's image and F the same filtered:
 //
 //     F - R  =  (T - R)       +  (D - T)    +  (X - D)   +  (F - X)
 //     total  =  representation + visibility + sampling   + filter
@@ -28,7 +28,7 @@ struct BudgetVariant {
   PlannedCell planned;  ///< the first of its cells
 };
 
-/// Whether a cell marches through the depth buffer, with a method that also runs on the CPU.
+/// Whether a cell marches (whatever it marches through), with a method that also runs on the CPU.
 bool has_budget(const PlannedCell& cell);
 
 /// Variants that share the march.

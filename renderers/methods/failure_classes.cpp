@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
+#include "renderers/shared/march.h"
 #include "renderers/shared/representation_ao.h"
 #include "renderers/shared/representation_radiance.h"
 #include "renderers/shared/visibility.h"
@@ -39,10 +41,55 @@ struct Disagreement {
   float traced_visibility = 1.0f;
 };
 
+/// Images that show a point, each at a pixel of its own: the first surfaces, and the layers behind
+/// them or what other cameras see.
+class Looks {
+ public:
+  Looks(const GBufferImages& surface, const HiddenImages* hidden, const DepthMarch& march)
+      : surface_(surface), hidden_(hidden), march_(march) {}
+
+  struct Look {
+    const GBufferImages* images;
+    const glm::mat4* camera_from_view;  ///< null for the view's own camera
+    glm::ivec2 pixel;
+    bool first;  ///< whether the images are of first surfaces
+    float z(glm::vec3 q) const {
+      return camera_from_view ? (*camera_from_view * glm::vec4(q, 1.0f)).z : q.z;
+    }
+  };
+
+  /// Those that have q on their screens, that of the view's own camera first.
+  std::vector<Look> at(glm::vec3 q) const {
+    std::vector<Look> looks;
+    const std::optional<glm::ivec2> pixel = march_.pixel_of(q);
+    if (pixel) looks.push_back({&surface_, nullptr, *pixel, true});
+    if (!hidden_) return looks;
+    for (std::size_t i = 0; i < hidden_->images.size(); ++i) {
+      const GBufferImages& images = hidden_->images[i];
+      if (hidden_->cameras.empty()) {
+        if (pixel) looks.push_back({&images, nullptr, *pixel, false});
+        continue;
+      }
+      const HiddenCamera& camera = hidden_->cameras[i];
+      const glm::vec3 there(camera.camera_from_view * glm::vec4(q, 1.0f));
+      const glm::vec2 center = 0.5f * glm::vec2(camera.view.width, camera.view.height);
+      const glm::vec2 place = project_to_pixel(there, center, camera.view.focal_pixels());
+      if (!on_screen(there, place, center)) continue;
+      looks.push_back({&images, &camera.camera_from_view, glm::ivec2(place), true});
+    }
+    return looks;
+  }
+
+ private:
+  const GBufferImages& surface_;
+  const HiddenImages* hidden_;
+  const DepthMarch& march_;
+};
+
 class Classifier {
  public:
-  Classifier(const GBufferImages& surface, const DepthMarch& march, const PassConstants& constants)
-      : surface_(surface), march_(march), constants_(constants) {}
+  Classifier(const Looks& looks, const DepthMarch& march, const PassConstants& constants)
+      : looks_(looks), march_(march), constants_(constants) {}
 
   FailureClass operator()(const Disagreement& d) const {
     return d.march.visibility > d.traced_visibility ? leak(d) : loss(d);
@@ -52,14 +99,19 @@ class Classifier {
   /// The ray is blocked at h (more than the march is).
   FailureClass leak(const Disagreement& d) const {
     const glm::vec3 h = d.point.position + d.hit_distance * d.direction;
-    const std::optional<glm::ivec2> pixel = march_.pixel_of(h);
-    if (!pixel) return FailureClass::off_screen;
-    if (shows(*pixel, h)) return FailureClass::thin;
-    if (any_neighbour(*pixel, [&](glm::ivec2 other) { return shows(other, h); })) {
-      return FailureClass::edge;
-    }
+    const std::vector<Look> looks = looks_.at(h);
+    if (looks.empty()) return FailureClass::off_screen;
+    const auto shown = [&](const Look& look) { return shows(look, look.pixel, h); };
+    if (std::ranges::any_of(looks, shown)) return FailureClass::thin;
+    const auto shown_beside = [&](const Look& look) {
+      return any_neighbour(look, [&](glm::ivec2 other) { return shows(look, other, h); });
+    };
+    if (std::ranges::any_of(looks, shown_beside)) return FailureClass::edge;
     // Something nearer than h is seen there, or, with h on a sliver between centres, past it.
-    return nearer(*pixel, h) ? FailureClass::hidden_blocker : FailureClass::edge;
+    const auto hidden = [&](const Look& look) {
+      return !look.first || nearer(look, look.pixel, h);
+    };
+    return std::ranges::all_of(looks, hidden) ? FailureClass::hidden_blocker : FailureClass::edge;
   }
 
   /// The march is blocked at its sample (more than the ray is).
@@ -72,26 +124,52 @@ class Classifier {
     for (DepthMarch::Result found = d.march; found.blocked;
          found = march_.march(d.point, d.direction, d.march_offset, constants_.d_max_world,
                               found.step + 1)) {
-      const bool open_beside = any_neighbour(
-          found.pixel, [&](glm::ivec2 other) { return !nearer(other, found.sample); });
-      if (!open_beside) return FailureClass::behind_surface;
+      if (!open_beside(found.sample)) return FailureClass::behind_surface;
     }
     return FailureClass::edge;
   }
 
-  bool seen(glm::ivec2 pixel) const { return surface_.mask.at(pixel.x, pixel.y) > 0.5f; }
+  using Look = Looks::Look;
 
-  /// Whether q lies on the plane of the surface seen through the pixel.
-  bool shows(glm::ivec2 pixel, glm::vec3 q) const {
-    if (!seen(pixel)) return false;
-    const glm::vec3 apart = q - vec3_at(surface_.position_view, pixel);
-    return std::abs(dot(apart, vec3_at(surface_.geometric_normal_view, pixel))) <= on_plane(q);
+  /// Whether a pixel next to that of a blocked sample, in any image that decides, shows it to be
+  /// free. Of layers, one that is not between a pair is.
+  bool open_beside(glm::vec3 sample) const {
+    const std::vector<Look> looks = looks_.at(sample);
+    if (std::ranges::any_of(looks, [](const Look& look) { return !look.first; })) {
+      return any_neighbour(looks.front(),
+                           [&](glm::ivec2 other) { return !between(looks, other, sample); });
+    }
+    return std::ranges::any_of(looks, [&](const Look& look) {
+      return any_neighbour(look, [&](glm::ivec2 other) { return !nearer(look, other, sample); });
+    });
   }
 
-  /// Whether the surface seen through the pixel is nearer to the camera than q.
-  bool nearer(glm::ivec2 pixel, glm::vec3 q) const {
-    return seen(pixel) &&
-           surface_.position_view.at(pixel.x, pixel.y, 2) > q.z + constants_.bias_world;
+  /// Whether q is between the surfaces of a pair of the pixel; `layers` are in their order.
+  bool between(const std::vector<Look>& layers, glm::ivec2 pixel, glm::vec3 q) const {
+    for (std::size_t i = 0; i < layers.size(); i += 2) {
+      const bool no_back = i + 1 == layers.size() || !seen(layers[i + 1], pixel);
+      if (!nearer(layers[i], pixel, q)) return false;
+      if (no_back || layers[i + 1].images->position_view.at(pixel.x, pixel.y, 2) < q.z) return true;
+    }
+    return false;
+  }
+
+  static bool seen(const Look& look, glm::ivec2 pixel) {
+    return look.images->mask.at(pixel.x, pixel.y) > 0.5f;
+  }
+
+  /// Whether q lies on the plane of the surface seen through the pixel.
+  bool shows(const Look& look, glm::ivec2 pixel, glm::vec3 q) const {
+    if (!seen(look, pixel)) return false;
+    const glm::vec3 apart = q - vec3_at(look.images->position_view, pixel);
+    const glm::vec3 normal = vec3_at(look.images->geometric_normal_view, pixel);
+    return std::abs(dot(apart, normal)) <= on_plane(q);
+  }
+
+  /// Whether the surface seen through the pixel is nearer to its camera than q.
+  bool nearer(const Look& look, glm::ivec2 pixel, glm::vec3 q) const {
+    return seen(look, pixel) &&
+           look.z(vec3_at(look.images->position_view, pixel)) > look.z(q) + constants_.bias_world;
   }
 
   /// A thousandth of the distance to the camera: curved surfaces leave their tangent plane by less
@@ -99,18 +177,19 @@ class Classifier {
   static float on_plane(glm::vec3 q) { return 1e-3f * length(q); }
 
   template <typename Test>
-  bool any_neighbour(glm::ivec2 pixel, const Test& test) const {
+  static bool any_neighbour(const Look& look, const Test& test) {
+    const glm::ivec2 pixel = look.pixel;
+    const Image& mask = look.images->mask;
     for (int y = pixel.y - 1; y <= pixel.y + 1; ++y) {
       for (int x = pixel.x - 1; x <= pixel.x + 1; ++x) {
-        const bool inside =
-            x >= 0 && y >= 0 && x < surface_.mask.width() && y < surface_.mask.height();
+        const bool inside = x >= 0 && y >= 0 && x < mask.width() && y < mask.height();
         if (inside && glm::ivec2(x, y) != pixel && test(glm::ivec2(x, y))) return true;
       }
     }
     return false;
   }
 
-  const GBufferImages& surface_;
+  const Looks& looks_;
   const DepthMarch& march_;
   const PassConstants& constants_;
 };
@@ -118,6 +197,7 @@ class Classifier {
 /// Everything one round reads.
 struct Inputs {
   const GBufferImages& surface;
+  const Looks& looks;
   const View& view;
   const TracedScene& traced;
   const CpuLighting& lighting;
@@ -130,7 +210,7 @@ class GroupFailures {
   GroupFailures(const Inputs& in, const DepthMarch& march, const PixelGroup& group)
       : in_(in),
         march_(march),
-        classify_(in.surface, march, in.constants),
+        classify_(in.looks, march, in.constants),
         group_(group),
         rays_through_(in.traced, in.constants.blocker) {
     everywhere_.v.fill(std::numeric_limits<float>::infinity());
@@ -212,11 +292,13 @@ double half_difference(const ClassSums& a, const ClassSums& b, int directions, c
 
 Failures classify_failures(const GBufferImages& surface, const View& view,
                            const TracedScene& traced, const Lighting& lighting,
-                           const PassConstants& constants, const Convergence& convergence) {
+                           const PassConstants& constants, const Convergence& convergence,
+                           const HiddenImages* hidden) {
   const auto start = std::chrono::steady_clock::now();
   const CpuLighting light(lighting, constants);
-  const DepthMarch march(surface, nullptr, view, constants);
-  const Inputs in{surface, view, traced, light, constants};
+  const DepthMarch march(surface, hidden, view, constants);
+  const Looks looks(surface, hidden, march);
+  const Inputs in{surface, looks, view, traced, light, constants};
   std::array<ClassSums, 2> halves = {ClassSums(surface.mask), ClassSums(surface.mask)};
   Failures result;
   std::uint64_t seed = convergence.seed;

@@ -13,7 +13,7 @@ namespace occlab {
 enum class FailureClass {
   off_screen,      ///< leak: the blocker is off the screen or behind the camera
   hidden_blocker,  ///< leak: the blocker is behind the first surface of its pixel
-  thin,            ///< leak: the blocker is the first surface of its pixel; the steps missed it
+  thin,            ///< leak: the blocker is seen through its pixel; the steps missed it
   edge,            ///< either: a pixel's centre and the ray see different sides of a silhouette
   behind_surface,  ///< loss: the ray is free, and passes behind the first surface
   beyond_radius,   ///< loss: what the ray meets is farther than d_max
@@ -36,9 +36,11 @@ struct Failures {
 };
 
 /// Compares both for the directions of one set after another, until the sum over the classes has
-/// converged. Punctual lights are left out.
+/// converged. Punctual lights are left out. With `hidden`, complete ones, the march is through them
+/// too: what only a layer or another camera shows is on the screen, and not hidden.
 Failures classify_failures(const GBufferImages& surface, const View& view,
                            const TracedScene& traced, const Lighting& lighting,
-                           const PassConstants& constants, const Convergence& convergence);
+                           const PassConstants& constants, const Convergence& convergence,
+                           const HiddenImages* hidden = nullptr);
 
 }  // namespace occlab

@@ -84,6 +84,14 @@ class SceneBuilder {
     scene_.meshes.push_back(std::move(mesh));
     return instance(int(scene_.meshes.size()) - 1, world_from_object);
   }
+  /// Closed, counter-clockwise from outside.
+  SceneBuilder& add_box(glm::vec3 low, glm::vec3 high) {
+    const glm::vec3 size = high - low;
+    const glm::vec3 x(size.x, 0, 0), y(0, size.y, 0), z(0, 0, size.z);
+    add(quad(low, z, y)).add(quad(low + x, y, z));
+    add(quad(low, x, z)).add(quad(low + y, z, x));
+    return add(quad(low, y, x)).add(quad(low + z, x, y));
+  }
   SceneBuilder& instance(int mesh, const glm::mat4& world_from_object) {
     scene_.instances.push_back({mesh, world_from_object});
     return *this;

@@ -23,10 +23,15 @@ PassConstants constants_of(double d_max, long steps) {
 constexpr Convergence one_round = {
     .tolerance = 1.0, .budget_seconds = 0.0, .first_round = 64, .seed = 7};
 
-Failures classify(const TestFrame& test, const PassConstants& constants) {
+Failures classify(const TestFrame& test, const PassConstants& constants,
+                  const HiddenImages* hidden = nullptr) {
   const Frame& frame = test.frame();
   return classify_failures(test.surface(), frame.view, frame.traced(), frame.lighting, constants,
-                           one_round);
+                           one_round, hidden);
+}
+
+const HiddenImages& hidden_of(const TestFrame& test, HiddenKind kind, int count) {
+  return test.frame().hidden_images({.kind = kind, .count = count, .complete = true});
 }
 
 /// Each class's sum of k_A over the pixels, of either sign apart.
@@ -113,11 +118,13 @@ TEST(FailureClasses, ABlockerHiddenBehindAFartherPlate) {
   EXPECT_GT(totals.leak_share(FailureClass::hidden_blocker), 0.5);
 }
 
-TEST(FailureClasses, AddUpToTheMarchLessTheRays) {
+/// Through the first surfaces, and the hidden ones if they are asked for.
+void expect_sum(const std::optional<HiddenSettings>& settings) {
   const TestFrame frame(plate_before_floor().build(), along_the_floor(),
                         probe_of(32, [](glm::vec3 d) { return glm::vec3(1.0f + d.y, 1, 2); }));
   const PassConstants constants = constants_of(2.0, 2);
-  const Failures failures = classify(frame, constants);
+  const HiddenImages* const hidden = settings ? &frame.frame().hidden_images(*settings) : nullptr;
+  const Failures failures = classify(frame, constants, hidden);
   const CpuLighting lighting(frame.frame().lighting, constants);
   const Representation& representation = *find_method("ssdo").representation;
   const auto lit = [&](const VisibilitySource& visibility) {
@@ -132,7 +139,7 @@ TEST(FailureClasses, AddUpToTheMarchLessTheRays) {
                         representation_of(representation, sums, 2 * one_round.first_round),
                         frame.surface(), lighting);
   };
-  const Image depth = lit(depth_visibility(frame.surface(), frame.frame().view, constants));
+  const Image depth = lit(depth_visibility(frame.surface(), frame.frame().view, constants, hidden));
   const Image traced =
       lit(traced_visibility(frame.frame().traced(), frame.frame().view, constants));
   double largest = 0.0;
@@ -144,6 +151,39 @@ TEST(FailureClasses, AddUpToTheMarchLessTheRays) {
     largest = std::max(largest, double(std::abs(difference)));
   }
   EXPECT_GT(largest, 0.1);
+}
+
+TEST(FailureClasses, AddUpToTheMarchLessTheRays) {
+  expect_sum(std::nullopt);
+  expect_sum(HiddenSettings{.kind = HiddenKind::layers, .count = 3, .complete = true});
+  expect_sum(HiddenSettings{.kind = HiddenKind::cameras, .count = 2, .complete = true});
+}
+
+TEST(FailureClasses, LayersTakeAwayWhatIsLostBehindASlab) {
+  SceneBuilder scene;
+  scene.add_box({-4, -1, -4}, {4, 0, 4}).add_box({-1, 0.6f, 0.95f}, {1, 1.6f, 1.05f});
+  const TestFrame frame(scene.build(), from_above(), constant_environment(glm::vec3(1.0f)));
+  const PassConstants constants = constants_of(3.0, 64);
+  const auto behind = std::size_t(FailureClass::behind_surface);
+  const ClassTotals one(classify(frame, constants));
+  const ClassTotals two(classify(frame, constants, &hidden_of(frame, HiddenKind::layers, 1)));
+  EXPECT_GT(one.loss[behind], 10.0);
+  EXPECT_LT(two.loss[behind], 0.02 * one.loss[behind]);
+  EXPECT_LT(two.all(), 0.5 * one.all());
+}
+
+TEST(FailureClasses, LayersShowABlockerThatIsHidden) {
+  // As above, of solids: the roof is the second one of its pixels.
+  SceneBuilder scene;
+  scene.add_box({-4, -1, -4}, {4, 0, 4}).add_box({-3, 0.8f, -3}, {3, 0.9f, 1});
+  scene.add_box({-1, 0.58f, 5.0f}, {1, 1.58f, 5.05f});
+  const TestFrame frame(scene.build(), along_the_floor(), constant_environment(glm::vec3(1.0f)));
+  const PassConstants constants = constants_of(1.5, 32);
+  const auto hidden = std::size_t(FailureClass::hidden_blocker);
+  const ClassTotals one(classify(frame, constants));
+  const ClassTotals four(classify(frame, constants, &hidden_of(frame, HiddenKind::layers, 3)));
+  EXPECT_GT(one.leak[hidden], 10.0);
+  EXPECT_LT(four.leak[hidden], 0.1 * one.leak[hidden]);
 }
 
 TEST(Converged, SaysHowFarItIsFromItsLimit) {

@@ -14,23 +14,14 @@
 namespace occlab::test {
 namespace {
 
-/// Closed, counter-clockwise from outside.
-void add_box(SceneBuilder& scene, glm::vec3 low, glm::vec3 high) {
-  const glm::vec3 s = high - low;
-  const glm::vec3 x(s.x, 0, 0), y(0, s.y, 0), z(0, 0, s.z);
-  scene.add(quad(low, z, y)).add(quad(low + x, y, z));
-  scene.add(quad(low, x, z)).add(quad(low + y, z, x));
-  scene.add(quad(low, y, x)).add(quad(low + z, x, y));
-}
-
 constexpr glm::vec3 slab_low(-0.6f, 0.5f, -0.5f);
 constexpr glm::vec3 slab_high(0.6f, 0.62f, 0.5f);
 
 /// A slab floating above a floor, both closed.
 Scene floating_slab() {
   SceneBuilder scene;
-  add_box(scene, {-3, -0.3f, -3}, {3, 0, 3});
-  add_box(scene, slab_low, slab_high);
+  scene.add_box({-3, -0.3f, -3}, {3, 0, 3});
+  scene.add_box(slab_low, slab_high);
   return scene.build();
 }
 
@@ -184,9 +175,9 @@ TEST(Layers, BringAmbientOcclusionNearerToTheTracedOne) {
 TEST(Layers, MoreThanTwoFindABlockerBehindABlocker) {
   // A board near the camera hides the slab: of the slab's two surfaces, two layers know none.
   SceneBuilder scene;
-  add_box(scene, {-3, -0.3f, -3}, {3, 0, 3});
-  add_box(scene, slab_low, slab_high);
-  add_box(scene, {-0.25f, 0.7f, 1.7f}, {0.6f, 1.5f, 1.75f});
+  scene.add_box({-3, -0.3f, -3}, {3, 0, 3});
+  scene.add_box(slab_low, slab_high);
+  scene.add_box({-0.25f, 0.7f, 1.7f}, {0.6f, 1.5f, 1.75f});
   const glm::vec3 toward_sun = glm::normalize(glm::vec3(1.5f, 1.0f, 0.0f));
   const TestFrame test(scene.build(), over_the_slab, darkness(), {sun_toward(toward_sun)});
   const auto wrongly_lit = [&](long layers) {
@@ -261,9 +252,9 @@ constexpr glm::vec3 post_high(0.15f, 0.8f, -0.9f);
 
 Scene hidden_post() {
   SceneBuilder scene;
-  add_box(scene, {-3, -0.3f, -3}, {3, 0, 3});
-  add_box(scene, post_low, post_high);
-  add_box(scene, {-0.35f, 0, 1.2f}, {0.35f, 1.6f, 1.3f});
+  scene.add_box({-3, -0.3f, -3}, {3, 0, 3});
+  scene.add_box(post_low, post_high);
+  scene.add_box({-0.35f, 0, 1.2f}, {0.35f, 1.6f, 1.3f});
   return scene.build();
 }
 
@@ -358,7 +349,7 @@ TEST(Cameras, ThatSeeBacksOrNothingTellNothing) {
   SceneBuilder scene;
   scene.add(quad({-9, 0, -9}, {0, 0, 18}, {18, 0, 0}));
   scene.add(quad({-0.5f, 0, 0}, {1.0f, 0, 0}, {0, 1.0f, 0}));
-  add_box(scene, {-30, 10, -30}, {30, 70, 30});
+  scene.add_box({-30, 10, -30}, {30, 70, 30});
   const TestFrame test(scene.build(), above, constant_environment(glm::vec3(1)));
   // Up by half of the scene's radius: inside of the box.
   Metadata facts;
