@@ -182,8 +182,7 @@ std::vector<RateRow> rate_rows(const std::vector<RowGroup>& groups, const std::s
 
 TableCell our_rate(const RateRow& row) {
   if (!row.ours) {
-    return TableMissing{
-        fmt::format("not measured: '{}' was not timed", fact(row.facts, "method"))};
+    return TableMissing{fmt::format("not measured: '{}' was not timed", fact(row.facts, "method"))};
   }
   TableCell cell = number_cell(row.ours->find("time_ms.frame"));
   if (auto* number = std::get_if<TableNumber>(&cell)) {
