@@ -43,7 +43,7 @@ Table budget_table(const std::vector<Measurement>& measurements, const std::stri
   table.notes = {
       "total = method - reference; representation = converged with traced visibility - reference; "
       "visibility = converged with its own march - converged with traced visibility; sampling = "
-      "before the filter - converged with the depth buffer; filter = after - before the filter",
+      "before the filter - converged with its own march; filter = after - before the filter",
       "Without a name: RMS over the surface's pixels. Shares of the mean squared error and means "
       "(signed) add up over the parts; a part that works against the rest has a negative share",
       "floor: RMS of the noise that the reference and the converged runs leave in the parts; a "
