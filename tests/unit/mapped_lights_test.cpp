@@ -32,7 +32,7 @@ TEST(EnvironmentLights, CarryTheProbesLight) {
         // A texel is 1/400 of the sphere: its cosine is taken at 4x4 points.
         for (int i = 0; i < 16; ++i) {
           const glm::vec2 uv((float(x) + (float(i % 4) + 0.5f) / 4) / 64.0f,
-                             (float(y) + (float(i / 4) + 0.5f) / 4) / 32.0f);
+                             (float(y) + (0.25f * float(i - i % 4) + 0.5f) / 4) / 32.0f);
           const double cosine = std::max(0.0, double(glm::dot(n, equirect_direction(uv))));
           for (int c = 0; c < 3; ++c) {
             expected[c] +=
