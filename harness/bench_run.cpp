@@ -8,6 +8,7 @@
 #include "harness/progress.h"
 #include "harness/run_facts.h"
 #include "harness/version.h"
+#include "renderers/methods/hidden_facts.h"
 #include "renderers/scene/error.h"
 #include "renderers/scene/interrupt.h"
 
@@ -184,7 +185,15 @@ Layers BenchRun::read_cell(const KeyedCell& cell) {
     read = tools_.store().read(cell.key);
     if (!read.cell) throw DeviceError(read.warning + ", twice in a row");
   }
+  if (cell.planned.role == Role::test) tell(read.cell->extra.get<Metadata>());
   return std::move(read.cell->layers);
+}
+
+/// Cells of one view say the same: once is enough.
+void BenchRun::tell(const Metadata& facts) {
+  for (std::string& warning : hidden_warnings(facts)) {
+    if (told_.insert(warning).second) tools_.warn(std::move(warning));
+  }
 }
 
 std::vector<MeasuredCell> BenchRun::measured_cells() const {
@@ -253,6 +262,11 @@ json BenchRun::report_reference(const std::vector<Measurement>& rows) const {
   json report = to_json(*certify(own));
   report.update(
       {{"cell", chain_->mean().key.id()}, {"parts", chain_->parts()}, {"key", reference_key_}});
+  json others = json::array();
+  for (std::size_t i = 1; i < plan_.cells.size(); ++i) {
+    if (plan_.cells[i].planned.role == Role::reference) others.push_back(plan_.cells[i].key.id());
+  }
+  if (!others.empty()) report["others"] = std::move(others);
   return report;
 }
 

@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -86,6 +87,8 @@ class BenchRun {
   void converge(const KeyedBudget& budget);
   Certification judge_reference();
   Layers read_cell(const KeyedCell& cell);
+  /// Warns of what a rendering found out, if it has not before.
+  void tell(const Metadata& facts);
   ReadLayers reader();
   StoredBudget read_budget(const KeyedBudget& budget);
   ReadBudget budget_reader();
@@ -99,6 +102,7 @@ class BenchRun {
   std::map<std::string, std::size_t> places_;  ///< of cells by id
   std::string next_id_;                        ///< what is being read ahead
   std::future<ReadCell> next_;
+  std::set<std::string> told_;
 };
 
 /// Whether certify() needs the row.

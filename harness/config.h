@@ -80,11 +80,12 @@ struct TimingSettings {
   std::vector<Axis> axes;
   // Three more axes; empty: as the scene and the environment have it.
   std::vector<Resolution> resolutions;
-  std::vector<long> triangles;  ///< each of the scene's is split until there are about so many
-  std::vector<long> threads;    ///< of the software rasteriser
-  bool one_by_one = false;      ///< the axes are varied one at a time, else crossed
-  std::string baseline;         ///< one of `methods`
-  int repetitions = 7;          ///< at least
+  std::vector<long> triangles;   ///< each of the scene's is split until there are about so many
+  std::vector<long> threads;     ///< of the software rasteriser
+  bool one_by_one = false;       ///< the axes are varied one at a time, else crossed
+  std::string baseline;          ///< one of `methods`
+  NamedValues baseline_at = {};  ///< values of axes, where ratios are not to the cell's own
+  int repetitions = 7;           ///< at least
   double budget_seconds = 60.0;
   std::string published;  ///< results/published/NAME.csv; empty: none
   std::string note;       ///< stands under the table; may be empty

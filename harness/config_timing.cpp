@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 
 #include "harness/config_parts.h"
 #include "harness/published.h"
@@ -43,6 +44,21 @@ std::vector<long> read_counts(TomlTable& table, const char* name, long most) {
   return counts;
 }
 
+/// What ratios are to, of the axes: each one of the axis's values.
+NamedValues read_baseline_values(TomlTable table, const std::vector<const MethodInfo*>& methods,
+                                 const std::vector<Axis>& axes) {
+  const NamedValues values =
+      single_values(read_parameters(table, methods, {.lists = false, .by_all = true}));
+  for (const auto& [name, value] : values) {
+    const auto axis = std::ranges::find(axes, name, &Axis::parameter);
+    if (axis == axes.end() || std::ranges::find(axis->values, value) == axis->values.end()) {
+      table.fail(name, fmt::format("found {}; accepted are axes of [timing] and their values",
+                                   to_string(value)));
+    }
+  }
+  return values;
+}
+
 }  // namespace
 
 TimingSettings read_timing(TomlTable table, const std::vector<MethodInfo>& methods) {
@@ -68,7 +84,13 @@ TimingSettings read_timing(TomlTable table, const std::vector<MethodInfo>& metho
   if (table.has(triangles_axis)) timing.triangles = read_counts(table, triangles_axis, 1L << 26);
   if (table.has(threads_axis))
     timing.threads = read_counts(table, threads_axis, most_rasteriser_threads);
+  std::optional<TomlTable> baseline_at;
+  if (table.has("baseline_at")) baseline_at.emplace(table.table("baseline_at"));
   timing.axes = read_parameters(table, known, {.lists = true, .by_all = true});
+  if (baseline_at) {
+    if (timing.one_by_one) table.fail("baseline_at", "accepted with crossed axes only");
+    timing.baseline_at = read_baseline_values(*baseline_at, known, timing.axes);
+  }
   if (timing.one_by_one && timing.axes.empty() && timing.resolutions.empty() &&
       timing.triangles.empty() && timing.threads.empty()) {
     table.fail("axes", "'one_by_one' needs an axis: resolution, triangles, threads or a parameter");

@@ -32,6 +32,9 @@ std::string timing_key_of(const Experiment& experiment, const BenchFacts& facts)
                       describe(facts.probe));
   if (const auto& timing = experiment.timing) {
     text += fmt::format(" {} {} {}", timing->baseline, timing->repetitions, timing->budget_seconds);
+    for (const auto& [name, value] : timing->baseline_at) {
+      text += fmt::format(" at {}={}", name, to_string(value));
+    }
   }
   for (const TimedCell& timed : plan_timing(experiment, methods())) {
     text += fmt::format(" {} {} {}x{} {}", timed.cell.method, timed.cell.parameters.to_string(),

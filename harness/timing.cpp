@@ -102,6 +102,10 @@ class Session {
                     context_.at("driver").get<std::string>(), context_.at("cpu").get<std::string>(),
                     context_.at("rasteriser_threads").get<int>(), thread_count(), load_before_,
                     load_after_)};
+    for (const auto& [name, value] : experiment_.timing->baseline_at) {
+      notes.push_back(fmt::format("ratios are to {} with {} = {}, whatever the row's own is",
+                                  experiment_.timing->baseline, name, to_string(value)));
+    }
     std::ranges::move(loop_notes(loop_, limits()), std::back_inserter(notes));
     return notes;
   }
@@ -134,10 +138,21 @@ class Session {
     return {experiment_.timing->repetitions, experiment_.timing->budget_seconds};
   }
 
+  /// The baseline's cell of the group, or the one that differs from it as `baseline_at` says.
   std::size_t baseline_of(const Variant& variant) const {
-    const auto baseline = std::ranges::find_if(variants_, [&](const Variant& other) {
-      return other.cell.cell.group == variant.cell.cell.group &&
-             other.cell.cell.method == experiment_.timing->baseline;
+    const auto is_baseline = [&](const Variant& other) {
+      return other.cell.cell.method == experiment_.timing->baseline;
+    };
+    auto baseline = std::ranges::find_if(variants_, [&](const Variant& other) {
+      return other.cell.cell.group == variant.cell.cell.group && is_baseline(other);
+    });
+    if (experiment_.timing->baseline_at.empty()) return std::size_t(baseline - variants_.begin());
+    ParameterSet wanted = baseline->cell.cell.parameters;
+    for (const auto& [name, value] : experiment_.timing->baseline_at) wanted.set(name, value);
+    baseline = std::ranges::find_if(variants_, [&](const Variant& other) {
+      return is_baseline(other) && other.cell.cell.parameters.to_string() == wanted.to_string() &&
+             other.cell.resolution == variant.cell.resolution &&
+             other.cell.triangles == variant.cell.triangles;
     });
     return std::size_t(baseline - variants_.begin());
   }

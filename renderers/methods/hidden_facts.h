@@ -1,6 +1,8 @@
 #pragma once
 
 #include <span>
+#include <string>
+#include <vector>
 
 #include "renderers/methods/frame.h"
 #include "renderers/scene/image_io.h"
@@ -30,5 +32,8 @@ LayerSides count_sides(std::span<const Image> sides);
 /// surface; `camera_back_share`, the share of those that show it from its back, which is 0 outside
 /// of closed solids: such pixels tell the march nothing.
 void add_hidden_facts(const Frame& frame, const HiddenSettings& settings, Metadata& facts);
+
+/// What a user should know of these facts: open meshes and blind cameras, in a sentence each.
+std::vector<std::string> hidden_warnings(const Metadata& facts);
 
 }  // namespace occlab

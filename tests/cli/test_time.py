@@ -85,6 +85,21 @@ class Time(CliTest):
         # The same table again from what was stored, notes and all.
         self.assertEqual(self.good("table", out).stdout, finished.stdout)
 
+    def test_layers_and_cameras_are_passes_and_ratios_are_to_one_of_the_axis(self):
+        out = self.folder / "out"
+        finished = self.time(
+            TINY.replace('methods = ["ssao", "s3ho"]',
+                         'methods = ["ssao"]\nvisibility = ["depth", "peeled", "multiview"]\n'
+                         'baseline_at = {visibility = "depth"}'), "--out", out)
+        self.assertIn("ratios are to ssao with visibility = depth", finished.stdout)
+        of = {(row["parameter.visibility"], row["metric"]): float(row["value"])
+              for row in read_csv(out / "measurements.csv")}
+        self.assertEqual(of["depth", "time_ratio.frame"], 1.0)
+        self.assertNotEqual(of["peeled", "time_ratio.frame"], 1.0)
+        self.assertGreater(of["peeled", "time_ms.layers"], 0)
+        self.assertGreater(of["multiview", "time_ms.cameras"], 0)
+        self.assertNotIn(("depth", "time_ms.layers"), of)
+
     def test_one_axis_at_a_time(self):
         out = self.folder / "out"
         finished = self.time(ONE_BY_ONE, "--out", out)

@@ -207,6 +207,8 @@ TEST(Layers, OfAnOpenMeshCountAsASingleLayerAndAreCounted) {
   EXPECT_EQ(peeled.at("radiance"), depth);
   EXPECT_EQ(facts.at("open_mesh_pixels"), std::to_string(48 * 36));
   EXPECT_EQ(facts.at("overlapping_solid_pixels"), "0");
+  ASSERT_EQ(hidden_warnings(facts).size(), 1u);
+  EXPECT_NE(hidden_warnings(facts).front().find("1728 pixels show open meshes"), std::string::npos);
 
   const TestFrame closed(floating_slab(), over_the_slab, constant_environment(glm::vec3(1)));
   closed.evaluate("ssao", {{"visibility", std::string("peeled")}, {"layers", 6L}, {"samples", 4L}},
@@ -214,6 +216,7 @@ TEST(Layers, OfAnOpenMeshCountAsASingleLayerAndAreCounted) {
   EXPECT_EQ(facts.at("open_mesh_pixels"), "0");
   EXPECT_EQ(facts.at("overlapping_solid_pixels"), "0");
   EXPECT_EQ(facts.at("full_layer_pixels"), "0");
+  EXPECT_TRUE(hidden_warnings(facts).empty());
 }
 
 TEST(Layers, SidesAreCountedByWhatTheyAreOf) {
@@ -358,7 +361,9 @@ TEST(Cameras, ThatSeeBacksOrNothingTellNothing) {
   const Layers seen = test.evaluate("ssao", inside, &facts);
   EXPECT_EQ(facts.at("camera_back_share"), "1.000");
   EXPECT_EQ(facts.at("cameras_blind"), "0");
+  EXPECT_TRUE(hidden_warnings(facts).empty());
   EXPECT_EQ(seen.at("radiance"), test.layer("ssao", "radiance", {}));
+  EXPECT_EQ(hidden_warnings({{"cameras_blind", "2"}}).size(), 1u);
 }
 
 }  // namespace

@@ -52,6 +52,22 @@ TEST_F(TimingPlanTest, CrossedAxes) {
   EXPECT_EQ(cells.back().cell.group, 11);
 }
 
+TEST_F(TimingPlanTest, RatiosMayBeToAnotherPlaceOnAnAxis) {
+  const std::string axis = times_alone + "samples = [4, 8]\n";
+  const Experiment e = load(axis + "baseline_at = {samples = 8}\n");
+  ASSERT_EQ(e.timing->baseline_at.size(), 1u);
+  EXPECT_EQ(e.timing->baseline_at.front(), (std::pair<std::string, ParameterValue>{"samples", 8L}));
+  EXPECT_TRUE(load(axis).timing->baseline_at.empty());
+  for (const char* bad : {"baseline_at = {samples = 16}\n", "baseline_at = {steps = 2}\n"}) {
+    EXPECT_NE(error_of(axis + bad).find("accepted are axes of [timing] and their values"),
+              std::string::npos)
+        << bad;
+  }
+  EXPECT_NE(error_of(axis + "axes = \"one_by_one\"\nbaseline_at = {samples = 8}\n")
+                .find("accepted with crossed axes only"),
+            std::string::npos);
+}
+
 TEST_F(TimingPlanTest, OneByOneEqualPointsAreOne) {
   const Experiment e = load(times_alone +
                             "axes = \"one_by_one\"\nsamples = [4, 8, 16]\nsteps = [1, 2, 4]\n"
