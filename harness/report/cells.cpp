@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "harness/files.h"
+#include "renderers/methods/method.h"
 #include "renderers/scene/error.h"
 #include "renderers/scene/limited_json.h"
 #include "renderers/scene/parallel.h"
@@ -115,6 +116,29 @@ std::size_t find_reference(const std::vector<Cell>& cells, const json& run) {
   return std::size_t(best - cells.begin());
 }
 
+/// What a method approximates; "" of one that is not known any more.
+std::string truth_of(const std::string& method) {
+  const auto found = std::ranges::find(methods(), method, &MethodInfo::name);
+  return found == methods().end() ? "" : found->truth;
+}
+
+/// Finds every group's truth among the further references that run.json names.
+void find_truths(const std::vector<Cell>& cells, const json& run, std::vector<Group>& groups) {
+  if (!run.is_object() || !run.contains("reference") || !run["reference"].is_object()) return;
+  for (const json& id : run["reference"].value("others", json::array())) {
+    const auto holds = [&](const Group& group) {
+      return id.is_string() && cells[group.cells.front()].id == id.get<std::string>();
+    };
+    const auto truth = std::ranges::find_if(groups, holds);
+    if (truth == groups.end()) continue;
+    const auto place = std::size_t(truth - groups.begin());
+    for (Group& group : groups) {
+      if (!group.reference && truth_of(group.method) == truth->method) group.truth = place;
+    }
+    truth->truth = place;
+  }
+}
+
 }  // namespace
 
 const std::string* find_text(const NamedTexts& texts, const std::string& name) {
@@ -205,6 +229,7 @@ std::vector<Group> group_cells(const std::vector<Cell>& cells, const json& run) 
       groups.push_back({cell.method, parameters, {i}, false});
     }
   }
+  find_truths(cells, run, groups);
   return groups;
 }
 

@@ -47,6 +47,9 @@ struct Group {
   NamedTexts parameters;           ///< without `seed`
   std::vector<std::size_t> cells;  ///< indices, in order of appearance
   bool reference = false;
+  /// Index of the group that holds the reference that this one is compared with: the first, or of
+  /// several references that of the method's truth, which is itself compared with itself.
+  std::size_t truth = 0;
 };
 
 /// Test cells by group, in order of appearance, after the reference, where there is one: the cell

@@ -189,6 +189,7 @@ json groups_json(const std::vector<Cell>& cells, const std::vector<Group>& group
     list.push_back({{"method", group.method},
                     {"parameters", texts_json(group.parameters)},
                     {"reference", group.reference},
+                    {"truth", group.truth},
                     {"cells", members}});
   }
   return list;

@@ -226,12 +226,24 @@ void pack_own_layers(Packer& packer, const std::vector<std::size_t>& groups) {
   packer.pack(std::move(others));
 }
 
+/// What a group is compared with; empty if there is nothing.
+Image truth_of(std::vector<Cell>& cells, const std::vector<Group>& groups, std::size_t group,
+               const Frame& frame) {
+  const std::size_t truth = groups[group].truth;
+  if (truth == 0) return frame.reference;
+  const std::optional<Layers> layers = read_layers(cells[groups[truth].cells.front()]);
+  const Image* radiance = layers ? layers->find("radiance") : nullptr;
+  return radiance && radiance->same_size(frame.mask) ? *radiance : Image();
+}
+
 void pack_maps(Packer& packer, std::vector<Cell>& cells, const std::vector<Group>& groups,
                const std::vector<std::size_t>& chosen, const Frame& frame) {
   Set noise{"noise and bias maps", {}};
   const Image* reference = frame.reference.empty() ? nullptr : &frame.reference;
   for (const std::size_t group : chosen) {
-    for (const NamedMap& map : seed_maps(cells, groups[group], reference, frame.mean_luminance)) {
+    const Image truth = truth_of(cells, groups, group, frame);
+    for (const NamedMap& map :
+         seed_maps(cells, groups[group], truth.empty() ? nullptr : &truth, frame.mean_luminance)) {
       noise.candidates.push_back(packer.candidate("g" + std::to_string(group), map));
     }
   }

@@ -20,6 +20,25 @@ def planned_cells(folder):
     return sorted({item["id"] for item in work})
 
 
+TWO_TRUTHS = """\
+format = 1
+[experiment]
+name = "truths"
+title = "Truths"
+[scene]
+source = "coloured_boxes"
+resolution = [64, 36]
+[parameters]
+samples = 4
+[reference]
+method = ["rtgi_unoccluded", "rtgi_shaded"]
+rays_per_pixel = 4
+[[run]]
+methods = ["s3hogi", "ssdogi"]
+seeds = 2
+"""
+
+
 class Report(CliTest):
     def results(self, change=lambda folder: None):
         """A copy of the smoke test's results, changed."""
@@ -50,6 +69,16 @@ class Report(CliTest):
         for layer in data["layers"]:
             self.assertEqual((folder / f"report/data/{layer['id']}.js").stat().st_size,
                              layer["bytes"])
+
+    def test_every_method_is_compared_with_its_own_truth(self):
+        out = self.folder / "out"
+        self.good("run", self.write("truths.toml", TWO_TRUTHS), "--out", out)
+        self.good("report", out)
+        data = page_data(out)
+        methods = [group["method"] for group in data["groups"]]
+        truths = {group["method"]: methods[group["truth"]] for group in data["groups"]}
+        self.assertEqual(truths, {"rtgi_unoccluded": "rtgi_unoccluded", "s3hogi": "rtgi_unoccluded",
+                                  "rtgi_shaded": "rtgi_shaded", "ssdogi": "rtgi_shaded"})
 
     def test_tables_are_those_of_the_table_verb(self):
         folder = self.results()

@@ -5,6 +5,7 @@ export interface Group {
   method: string;
   parameters: Record<string, string>;
   reference: boolean;
+  truth: number; // index of the group that it is compared with, where there is a reference
   cells: Cell[];
 }
 export interface Layer {

@@ -75,7 +75,7 @@ export class Catalogue {
     const comparable = (layer.kind === "radiance" || layer.kind === "share") && this.reference >= 0;
     return {
       label: this.groupLabel(group), colour: colour(this.data, this.data.groups[group]!.method), layer, group,
-      reference: comparable ? this.layerOf(`g${this.reference}`, compared) : null,
+      reference: comparable ? this.layerOf(`g${this.data.groups[group]!.truth}`, compared) : null,
     };
   }
 
