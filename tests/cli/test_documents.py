@@ -158,9 +158,9 @@ class ExperimentFormat(CliTest):
             self.assertTrue(documented, heading)
             stderr = self.plan(experiment, "--set", f"{table}.zzzzzzzzzzzz=1")
             accepted = re.search(r"accepted: (.*)$", stderr.strip()).group(1).split(", ")
-            # Only one kind of figure has rows, only others a scale, or points.
-            elsewhere = {"figure[1]": {"scale", "points", "switch"},
-                         "figure[2]": {"rows", "points", "switch"}}.get(table, set())
+            # Only some kinds of figures have columns, rows, a scale or points.
+            elsewhere = {"figure[1]": {"columns", "scale", "points", "switch"},
+                         "figure[2]": {"columns", "rows", "points", "switch"}}.get(table, set())
             with self.subTest(table):
                 self.assertLessEqual(set(documented) - elsewhere, set(accepted))
 
