@@ -8,21 +8,10 @@
 #include "renderers/scene/error.h"
 #include "renderers/scene/parallel.h"
 #include "renderers/scene/temporary_folder.h"
+#include "tests/unit/small_cells.h"
 
 namespace occlab {
 namespace {
-
-CellKey numbered_key(int number) {
-  CellKey key;
-  key.add("number", std::to_string(number));
-  return key;
-}
-
-Layers small_layers() {
-  Layers layers;
-  layers.add("radiance", Image(2, 2, 3, 0.5f));
-  return layers;
-}
 
 class CellWriterTest : public testing::TestWithParam<int> {
  protected:

@@ -9,21 +9,10 @@
 #include "harness/cell_writer.h"
 #include "renderers/scene/error.h"
 #include "renderers/scene/temporary_folder.h"
+#include "tests/unit/small_cells.h"
 
 namespace occlab {
 namespace {
-
-CellKey numbered_key(int number) {
-  CellKey key;
-  key.add("number", std::to_string(number));
-  return key;
-}
-
-Layers small_layers() {
-  Layers layers;
-  layers.add("radiance", Image(2, 2, 3, 0.5f));
-  return layers;
-}
 
 /// A folder of results, and cells that are made at once and stored when the test says so.
 class SharedWorkTest : public testing::Test {
