@@ -57,15 +57,6 @@ ViewSettings view_settings(const Experiment& experiment) {
           .probe = experiment.probe};
 }
 
-std::vector<std::string> warnings_of(const Workbench& bench) {
-  std::vector<std::string> warnings = bench.scene().warnings;
-  if (const auto clamped = bench.frame().lighting.environment().clamped_negative_texels) {
-    warnings.push_back(fmt::format("{}: {} slightly negative texels were set to 0",
-                                   bench.probe().source, clamped));
-  }
-  return warnings;
-}
-
 std::string label(const PlannedCell& cell) {
   std::string text = cell.method;
   for (const char* name : {"samples", "steps", "seed", "rays_per_pixel"}) {

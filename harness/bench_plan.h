@@ -40,9 +40,6 @@ std::vector<BenchPlan> plan_benches(const Experiment& experiment, const std::str
 /// What the workbench of an experiment's (first) bench is opened with.
 ViewSettings view_settings(const Experiment& experiment);
 
-/// What is to be said of what a workbench loaded.
-std::vector<std::string> warnings_of(const Workbench& bench);
-
 /// "s3ho samples=16 steps=2 seed=3": a cell on a terminal.
 std::string label(const PlannedCell& cell);
 std::string label(const BudgetCell& cell);

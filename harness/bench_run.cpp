@@ -8,9 +8,10 @@
 #include "harness/progress.h"
 #include "harness/run_facts.h"
 #include "harness/version.h"
-#include "renderers/methods/hidden_facts.h"
+#include "renderers/methods/fact_warnings.h"
 #include "renderers/scene/error.h"
 #include "renderers/scene/interrupt.h"
+#include "renderers/scene/parallel.h"
 
 namespace occlab {
 
@@ -27,7 +28,7 @@ Workbench& RunTools::open(const BenchPlan& bench) {
   open_.reset();  // what it made goes to the equipment before the next one asks for it
   open_.emplace(view_settings(bench.experiment), equipment_);
   plan_ = &bench;
-  for (const std::string& warning : warnings_of(*open_)) {
+  for (const std::string& warning : open_->warnings()) {
     if (std::ranges::find(said_, warning) != said_.end()) continue;
     said_.push_back(warning);
     warn(warning);
@@ -185,13 +186,14 @@ Layers BenchRun::read_cell(const KeyedCell& cell) {
     read = tools_.store().read(cell.key);
     if (!read.cell) throw DeviceError(read.warning + ", twice in a row");
   }
-  if (cell.planned.role == Role::test) tell(read.cell->extra.get<Metadata>());
+  if (cell.planned.role == Role::test)
+    tell(cell.planned.parameters, read.cell->extra.get<Metadata>());
   return std::move(read.cell->layers);
 }
 
 /// Cells of one view say the same: once is enough.
-void BenchRun::tell(const Metadata& facts) {
-  for (std::string& warning : hidden_warnings(facts)) {
+void BenchRun::tell(const ParameterSet& parameters, const Metadata& facts) {
+  for (std::string& warning : fact_warnings(parameters, facts)) {
     if (told_.insert(warning).second) tools_.warn(std::move(warning));
   }
 }
@@ -216,8 +218,9 @@ void BenchRun::measure(const RowSink& sink) {
     const std::size_t next = places_.at(cell.id) + 1;
     if (next > 1 && next < plan_.cells.size()) {
       next_id_ = cells[next].id;
+      // A single thread reads when it gets there.
       next_ = std::async(
-          std::launch::async,
+          thread_count() > 1 ? std::launch::async : std::launch::deferred,
           [&store = tools_.store(), key = plan_.cells[next].key] { return store.read(key); });
     }
     return layers;

@@ -88,7 +88,7 @@ class BenchRun {
   Certification judge_reference();
   Layers read_cell(const KeyedCell& cell);
   /// Warns of what a rendering found out, if it has not before.
-  void tell(const Metadata& facts);
+  void tell(const ParameterSet& parameters, const Metadata& facts);
   ReadLayers reader();
   StoredBudget read_budget(const KeyedBudget& budget);
   ReadBudget budget_reader();

@@ -9,6 +9,7 @@
 #include "harness/files.h"
 #include "renderers/scene/confined_path.h"
 #include "renderers/scene/data_root.h"
+#include "renderers/scene/enclosed_lights.h"
 #include "renderers/scene/error.h"
 
 namespace occlab {
@@ -121,6 +122,28 @@ Workbench::~Workbench() {
   const View& view = frame_->view;
   equipment_->made_.emplace(
       Equipment::MadeFrame{view.camera.name, view.width, view.height, std::move(frame_->made)});
+}
+
+std::vector<std::string> Workbench::warnings() const {
+  std::vector<std::string> warnings = scene().warnings;
+  const glm::vec3 eye_world(frame_->view.camera.world_from_camera[3]);
+  for (const auto& [light, mesh] : enclosed_lights(scene(), eye_world)) {
+    warnings.push_back(
+        fmt::format("light '{}' is inside of mesh '{}', where the camera '{}' is not: it lights "
+                    "nothing but that inside, which methods in screen space may miss",
+                    light, mesh, frame_->view.camera.name));
+  }
+  if (probe_.source.empty()) return warnings;
+  const Environment& environment = frame_->lighting.environment();
+  if (const auto clamped = environment.clamped_negative_texels) {
+    warnings.push_back(
+        fmt::format("{}: {} slightly negative texels were set to 0", probe_.source, clamped));
+  }
+  if (std::ranges::all_of(environment.texels.values(), [](float v) { return v == 0.0f; })) {
+    warnings.push_back(
+        fmt::format("{}: the probe is black: the environment gives no light", probe_.source));
+  }
+  return warnings;
 }
 
 std::string describe(const ProbeSettings& probe) {

@@ -98,6 +98,9 @@ class Workbench {
   /// SHA-256 of the scene's and the probe's file; "none" without a probe.
   const std::string& scene_hash() const { return scene_->loaded.hash; }
   const std::string& probe_hash() const { return probe_hash_; }
+  /// What is to be said of the scene, its lights seen from the view, and the probe; a sentence
+  /// each.
+  std::vector<std::string> warnings() const;
 
  private:
   std::shared_ptr<Equipment> equipment_;

@@ -8,6 +8,7 @@
 
 #include "harness/verbs/verbs.h"
 #include "harness/workbench.h"
+#include "renderers/methods/fact_warnings.h"
 #include "renderers/methods/method.h"
 #include "renderers/scene/error.h"
 
@@ -52,6 +53,10 @@ void check_output(const std::string& output) {
   }
 }
 
+void print_warnings(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings) fmt::print(stderr, "occlab: {}\n", warning);
+}
+
 int render(RenderOptions options) {
   const MethodInfo& method = find_method(options.method);
   const ParameterSet parameters = parse_settings(method, options.settings);
@@ -61,13 +66,12 @@ int render(RenderOptions options) {
   if (!options.probe.source.empty()) options.view.probe = options.probe;
 
   Workbench bench(options.view, options.device);
-  for (const std::string& warning : bench.scene().warnings) {
-    fmt::print(stderr, "occlab: {}: {}\n", bench.scene().path.string(), warning);
-  }
+  print_warnings(bench.warnings());
   const auto start = std::chrono::steady_clock::now();
   Metadata facts;
   Layers layers = method.make()->evaluate(bench.frame(), parameters, facts);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+  print_warnings(fact_warnings(parameters, facts));
   layers.add("mask", bench.frame().surface().mask);
 
   Metadata metadata = {{"occlab:method", method.name},

@@ -84,23 +84,4 @@ void add_hidden_facts(const Frame& frame, const HiddenSettings& settings, Metada
   facts["camera_back_share"] = fmt::format("{}", fmt::join(back, " "));
 }
 
-std::vector<std::string> hidden_warnings(const Metadata& facts) {
-  const auto count = [&](const char* name) {
-    const auto fact = facts.find(name);
-    return fact == facts.end() ? std::string("0") : fact->second;
-  };
-  std::vector<std::string> warnings;
-  if (const std::string pixels = count("open_mesh_pixels"); pixels != "0") {
-    warnings.push_back(fmt::format(
-        "visibility=peeled: {} pixels show open meshes (open_mesh_pixels); where a back "
-        "is missing, all that is behind the front counts as solid",
-        pixels));
-  }
-  if (const std::string cameras = count("cameras_blind"); cameras != "0") {
-    warnings.push_back(fmt::format(
-        "visibility=multiview: {} of the cameras see no surface (cameras_blind)", cameras));
-  }
-  return warnings;
-}
-
 }  // namespace occlab

@@ -33,7 +33,4 @@ LayerSides count_sides(std::span<const Image> sides);
 /// of closed solids: such pixels tell the march nothing.
 void add_hidden_facts(const Frame& frame, const HiddenSettings& settings, Metadata& facts);
 
-/// What a user should know of these facts: open meshes and blind cameras, in a sentence each.
-std::vector<std::string> hidden_warnings(const Metadata& facts);
-
 }  // namespace occlab

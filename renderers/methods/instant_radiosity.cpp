@@ -89,10 +89,7 @@ class InstantRadiosity final : public OcclusionMethod {
 
   Layers evaluate(const Frame& frame, const ParameterSet& parameters, Metadata& facts) override {
     render(frame, parameters);
-    const DirectLights lights = direct_lights(frame, parameters);
-    facts["punctual_lights"] = std::to_string(lights.punctual.size());
-    facts["environment_lights"] = std::to_string(lights.environment.size());
-    add_layer_facts(frame, parameters, facts);
+    add_shadow_map_facts(frame, parameters, facts);
     facts["virtual_lights"] = std::to_string(virtual_lights_.size());
     Layers layers;
     layers.add("radiance", read(*radiance_));

@@ -105,10 +105,7 @@ class ShadowMapMethod final : public OcclusionMethod {
 
   Layers evaluate(const Frame& frame, const ParameterSet& parameters, Metadata& facts) override {
     render(frame, parameters);
-    const DirectLights lights = direct_lights(frame, parameters);
-    facts["punctual_lights"] = std::to_string(lights.punctual.size());
-    facts["environment_lights"] = std::to_string(lights.environment.size());
-    add_layer_facts(frame, parameters, facts);
+    add_shadow_map_facts(frame, parameters, facts);
     Layers layers;
     layers.add("radiance", channels_of(radiance_->colors().front().download(), 0, 3));
     layers.add("irradiance", channels_of(irradiance_->colors().front().download(), 0, 3));
@@ -247,7 +244,10 @@ void draw_layers(const Frame& frame, const ParameterSet& parameters) {
   });
 }
 
-void add_layer_facts(const Frame& frame, const ParameterSet& parameters, Metadata& facts) {
+void add_shadow_map_facts(const Frame& frame, const ParameterSet& parameters, Metadata& facts) {
+  const DirectLights lights = direct_lights(frame, parameters);
+  facts["punctual_lights"] = std::to_string(lights.punctual.size());
+  facts["environment_lights"] = std::to_string(lights.environment.size());
   if (const auto settings = correction_layers(parameters)) {
     add_hidden_facts(frame, *settings, facts);
   }

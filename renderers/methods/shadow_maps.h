@@ -45,8 +45,8 @@ class MappedLighting {
 /// Draws what the correction looks at behind the first surfaces, if it does: once more for every
 /// frame, as a renderer whose scene moves has to.
 void draw_layers(const Frame& frame, const ParameterSet& parameters);
-/// What these layers turned out to be.
-void add_layer_facts(const Frame& frame, const ParameterSet& parameters, Metadata& facts);
+/// How many lights of each kind there are, and what the layers turned out to be.
+void add_shadow_map_facts(const Frame& frame, const ParameterSet& parameters, Metadata& facts);
 
 /// L_o = (rho/pi) E of a texture of irradiance: replaces what the target holds, or is added to it.
 enum class Into { replaced, added };

@@ -13,12 +13,12 @@ const tasks = JSON.parse(readFileSync(process.argv[2], "utf8"));
 const browser = await launch(tasks);
 const open = (index, hash = "", options = {}) => openPage(browser, index, hash, options, "#cells");
 
+/** Waits until the images show the latest change, and the address says it. */
 async function drawn(page) {
   await page.waitForFunction(() => {
-    const stage = document.querySelector(".stage");
-    return stage.dataset.drawn === "true";
+    const {drawn, address} = document.querySelector(".stage").dataset;
+    return drawn === "true" && address === "written";
   }, null, {timeout: 30000});
-  await page.waitForTimeout(350); // the address is written a little later
 }
 
 /** Of the canvas' pixels in a panel: their colours (0xrrggbb), the middle one, and a checksum. */

@@ -1,10 +1,11 @@
 """Bad input: exit code 2, one line with file, key and what is accepted, nothing written."""
 
+import json
 import math
 import struct
 
-from support import (ROOT, SMALL_EXPERIMENT, THREE_BOXES, CliTest, interleave, probe_with, rendered,
-                     scene_with)
+from support import (ROOT, SMALL_EXPERIMENT, THREE_BOXES, CliTest, exr, interleave, probe_with,
+                     rendered, scene_with)
 
 
 class Usage(CliTest):
@@ -138,6 +139,41 @@ class Scenes(CliTest):
         path = scene_with(self.folder / "dark.glb", change)
         self.refused(2, [path, "light", "probe"], "render", "--scene", path, "--method", "ssao",
                      "-o", self.folder / "out.exr")
+
+    def run_warnings(self, path, *settings):
+        experiment = self.write("warned.toml", SMALL_EXPERIMENT)
+        out = self.folder / "-".join(["out", path.stem, *settings]).replace("/", "_")
+        done = self.good("run", experiment, "--out", out, "--set", f"scene.source={path}",
+                         *interleave("--set", settings))
+        warnings = json.loads((out / "run.json").read_text())["warnings"]
+        for warning in warnings:
+            self.assertIn(warning, done.stderr)
+        return warnings
+
+    def test_a_light_inside_of_geometry_is_named(self):
+        def lamp_at(height):
+            def change(document, _):
+                lights = document["extensions"]["KHR_lights_punctual"]["lights"]
+                lights.append({"name": "lamp", "type": "point", "intensity": 3})
+                document["nodes"].append({
+                    "name": "lamp", "translation": [-1.06, height, 0.1],
+                    "extensions": {"KHR_lights_punctual": {"light": len(lights) - 1}}})
+                document["scenes"][0]["nodes"].append(len(document["nodes"]) - 1)
+            return change
+        inside = self.run_warnings(scene_with(self.folder / "inside.glb", lamp_at(0.3)))
+        self.assertEqual(len(inside), 1)
+        for words in ("'lamp'", "'left box'", "'main'"):
+            self.assertIn(words, inside[0])
+        above = scene_with(self.folder / "above.glb", lamp_at(0.9))
+        self.assertEqual(self.run_warnings(above), [])
+
+    def test_darkness_is_named(self):
+        black = self.folder / "black.exr"
+        black.write_bytes(exr.encode(16, 8, [[(0.0, 0.0, 0.0)] * 16 for _ in range(8)]))
+        warnings = self.run_warnings(THREE_BOXES, f"probe.source={black}")
+        self.assertEqual(len(warnings), 1)
+        self.assertIn("black.exr: the probe is black", warnings[0])
+        self.assertEqual(self.run_warnings(THREE_BOXES), [])
 
 
 class Probes(CliTest):

@@ -8,6 +8,7 @@
 
 #include <numeric>
 
+#include "renderers/methods/fact_warnings.h"
 #include "renderers/methods/hidden_facts.h"
 #include "tests/gpu/gpu_frame.h"
 
@@ -32,6 +33,10 @@ Light sun_toward(glm::vec3 direction) {
           .type = LightType::directional,
           .direction_world = -direction,
           .intensity = glm::vec3(pi)};
+}
+
+std::vector<std::string> warnings(const Metadata& facts) {
+  return fact_warnings(ParameterSet({}), facts);
 }
 
 Environment darkness() { return constant_environment(glm::vec3(0.0f)); }
@@ -207,8 +212,8 @@ TEST(Layers, OfAnOpenMeshCountAsASingleLayerAndAreCounted) {
   EXPECT_EQ(peeled.at("radiance"), depth);
   EXPECT_EQ(facts.at("open_mesh_pixels"), std::to_string(48 * 36));
   EXPECT_EQ(facts.at("overlapping_solid_pixels"), "0");
-  ASSERT_EQ(hidden_warnings(facts).size(), 1u);
-  EXPECT_NE(hidden_warnings(facts).front().find("1728 pixels show open meshes"), std::string::npos);
+  ASSERT_EQ(warnings(facts).size(), 1u);
+  EXPECT_NE(warnings(facts).front().find("1728 pixels show open meshes"), std::string::npos);
 
   const TestFrame closed(floating_slab(), over_the_slab, constant_environment(glm::vec3(1)));
   closed.evaluate("ssao", {{"visibility", std::string("peeled")}, {"layers", 6L}, {"samples", 4L}},
@@ -216,7 +221,7 @@ TEST(Layers, OfAnOpenMeshCountAsASingleLayerAndAreCounted) {
   EXPECT_EQ(facts.at("open_mesh_pixels"), "0");
   EXPECT_EQ(facts.at("overlapping_solid_pixels"), "0");
   EXPECT_EQ(facts.at("full_layer_pixels"), "0");
-  EXPECT_TRUE(hidden_warnings(facts).empty());
+  EXPECT_TRUE(warnings(facts).empty());
 }
 
 TEST(Layers, SidesAreCountedByWhatTheyAreOf) {
@@ -361,9 +366,9 @@ TEST(Cameras, ThatSeeBacksOrNothingTellNothing) {
   const Layers seen = test.evaluate("ssao", inside, &facts);
   EXPECT_EQ(facts.at("camera_back_share"), "1.000");
   EXPECT_EQ(facts.at("cameras_blind"), "0");
-  EXPECT_TRUE(hidden_warnings(facts).empty());
+  EXPECT_TRUE(warnings(facts).empty());
   EXPECT_EQ(seen.at("radiance"), test.layer("ssao", "radiance", {}));
-  EXPECT_EQ(hidden_warnings({{"cameras_blind", "2"}}).size(), 1u);
+  EXPECT_EQ(warnings({{"cameras_blind", "2"}}).size(), 1u);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "renderers/methods/fact_warnings.h"
 #include "tests/gpu/gpu_frame.h"
 
 namespace occlab::test {
@@ -175,6 +176,11 @@ TEST(InstantRadiosity, WithoutVirtualLightsIsShadowMaps) {
   Metadata facts;
   unlit.evaluate("instant_radiosity", {{"environment_lights", 4L}}, &facts);
   EXPECT_EQ(facts.at("virtual_lights"), "0");
+  ParameterSet parameters(find_method("instant_radiosity").parameters);
+  ASSERT_EQ(fact_warnings(parameters, facts).size(), 1u);
+  EXPECT_NE(fact_warnings(parameters, facts).front().find("does not bounce"), std::string::npos);
+  parameters.set("bounce_lights", 0L);
+  EXPECT_TRUE(fact_warnings(parameters, facts).empty()) << "none were asked for";
 }
 
 TEST(InstantRadiosity, PartsAddUpBeforeAndAfterTheFilter) {

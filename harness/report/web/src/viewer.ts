@@ -80,9 +80,11 @@ export class Viewer {
   /** Not at once: browsers allow only so many changes of the address in a row. */
   private remember(): void {
     clearTimeout(this.timer);
+    this.stage.dataset.address = "to be written";
     this.timer = window.setTimeout(() => {
       const hash = writeHash(this.state);
       if (hash !== location.hash) history.replaceState(null, "", hash);
+      this.stage.dataset.address = "written";
     }, 200);
   }
 
@@ -91,6 +93,7 @@ export class Viewer {
   private schedule(): void {
     if (this.scheduled) return;
     this.scheduled = true;
+    this.stage.dataset.drawn = "false";
     requestAnimationFrame(() => { this.scheduled = false; this.draw(); });
   }
 
