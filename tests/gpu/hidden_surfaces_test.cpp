@@ -128,24 +128,23 @@ bool meets_box(glm::vec3 p, glm::vec3 direction, glm::vec3 low, glm::vec3 high, 
   return enter < leave;
 }
 
-TEST(Layers, GiveTheShadowOfAFloatingSlabItsShape) {
-  // Behind the slab's first surface a single layer knows no end: its shadow goes on where the sun
-  // comes in below. Between its two surfaces it is exact.
+/// The floating slab's shadow as SSDO has it, the sun and the camera low.
+ShadowCount slab_shadow(Values values) {
   const glm::vec3 toward_sun = glm::normalize(glm::vec3(0.5f, 1.0f, 0.35f));
   const View low = look_at({0.3f, 1.5f, 4.0f}, {0, 0.2f, 0}, 0.5f, 96, 72);
   const TestFrame test(floating_slab(), low, darkness(), {sun_toward(toward_sun)});
-  const auto shadow = [&](const char* visibility) {
-    const Image radiance = test.layer("ssdo", "radiance",
-                                      {{"visibility", std::string(visibility)},
-                                       {"filter", std::string("none")},
-                                       {"steps", 64L},
-                                       {"d_max_world", 1.6}});
-    return count_shadow(test, radiance, [&](glm::vec3 p, float margin) {
-      return meets_box(p, toward_sun, slab_low, slab_high, margin);
-    });
-  };
-  const ShadowCount depth = shadow("depth");
-  const ShadowCount peeled = shadow("peeled");
+  values.insert(values.end(),
+                {{"filter", std::string("none")}, {"steps", 64L}, {"d_max_world", 1.6}});
+  return count_shadow(test, test.layer("ssdo", "radiance", values), [&](glm::vec3 p, float margin) {
+    return meets_box(p, toward_sun, slab_low, slab_high, margin);
+  });
+}
+
+TEST(Layers, GiveTheShadowOfAFloatingSlabItsShape) {
+  // Behind the slab's first surface a single layer knows no end: its shadow goes on where the sun
+  // comes in below. Between its two surfaces it is exact.
+  const ShadowCount depth = slab_shadow({{"visibility", std::string("depth")}});
+  const ShadowCount peeled = slab_shadow({{"visibility", std::string("peeled")}});
   EXPECT_GT(peeled.in_shadow, 200);
   EXPECT_GT(peeled.lit, 1500);
   EXPECT_GT(depth.wrongly_dark, 50);
@@ -331,22 +330,9 @@ TEST(Cameras, LookAtWhatIsInTheMiddleOfTheView) {
 
 TEST(Cameras, TakeAwayTheShadowBehindWhatIsInFrontOfTheView) {
   // What the view takes for solid behind the slab, the others see to be free.
-  const glm::vec3 toward_sun = glm::normalize(glm::vec3(0.5f, 1.0f, 0.35f));
-  const View low = look_at({0.3f, 1.5f, 4.0f}, {0, 0.2f, 0}, 0.5f, 96, 72);
-  const TestFrame test(floating_slab(), low, darkness(), {sun_toward(toward_sun)});
-  const auto shadow = [&](const char* visibility) {
-    const Image radiance = test.layer("ssdo", "radiance",
-                                      {{"visibility", std::string(visibility)},
-                                       {"camera_scale", 2.0},
-                                       {"filter", std::string("none")},
-                                       {"steps", 64L},
-                                       {"d_max_world", 1.6}});
-    return count_shadow(test, radiance, [&](glm::vec3 p, float margin) {
-      return meets_box(p, toward_sun, slab_low, slab_high, margin);
-    });
-  };
-  const ShadowCount one = shadow("depth");
-  const ShadowCount several = shadow("multiview");
+  const ShadowCount one = slab_shadow({{"visibility", std::string("depth")}});
+  const ShadowCount several =
+      slab_shadow({{"visibility", std::string("multiview")}, {"camera_scale", 2.0}});
   EXPECT_GT(one.wrongly_dark, 50);
   EXPECT_LT(several.wrongly_dark, 0.1 * one.wrongly_dark);
   EXPECT_LT(several.wrongly_lit, 0.02 * several.in_shadow);
