@@ -44,9 +44,9 @@ class BudgetMeasurer {
           reference_squares_ += double(value);
         }
       }
-      values_ += 3;
+      ++pixels_;
     }
-    mean_luminance_ = luminance / double(values_ / 3);
+    mean_luminance_ = luminance / double(pixels_);
   }
 
   /// One seed's image at one stage; `filtered` is null before the filter.
@@ -89,7 +89,7 @@ class BudgetMeasurer {
         all[part].with_total += seed[part].with_total;
       }
     }
-    const double count = double(values_) * double(seeds.size());
+    const double count = 3.0 * double(pixels_) * double(seeds.size());
     for (std::size_t part = 0; part < all.size(); ++part) {
       const std::string name = part_names[part];
       if (stage == "unfiltered" && name == "filter") continue;
@@ -100,7 +100,8 @@ class BudgetMeasurer {
     }
     const double traced = fact(variant.name + "_traced_standard_error");
     const double depth = fact(variant.name + "_depth_standard_error");
-    const double reference = std::sqrt(reference_squares_ / double(values_)) / mean_luminance_;
+    const double reference =
+        std::sqrt(reference_squares_ / (3.0 * double(pixels_))) / mean_luminance_;
     add(row, "budget_floor", "mean luminance",
         std::sqrt(traced * traced + depth * depth + reference * reference));
   }
@@ -148,7 +149,7 @@ class BudgetMeasurer {
         shared += double(radiance.values()[i]) * visibility_error[i];
       }
     }
-    const double pixels = double(values_ / 3);
+    const auto pixels = double(pixels_);
     add(row, "failure_pixels." + name, "1", double(affected) / pixels);
     add(row, "failure_mean." + name, "1", sum / pixels);
     add(row, "failure_rms." + name, "1", std::sqrt(squares / pixels));
@@ -207,7 +208,7 @@ class BudgetMeasurer {
   std::string reference_id_;
   Measurement identity_;
   double reference_squares_ = 0.0;
-  std::size_t values_ = 0;
+  std::size_t pixels_ = 0;  ///< foreground
   double mean_luminance_ = 0.0;
   std::vector<Measurement> rows_;
 };

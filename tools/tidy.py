@@ -3,10 +3,9 @@
 
 A file that is clean stays clean as long as it, what it includes of this repository, its flags, the
 checks and clang-tidy itself are the same. tools/tidy_clean.txt, which is committed, has the hashes
-of such files, and BUILD/tidy_clean.txt those found clean here; all others are checked. --record
-writes what is clean now into tools/tidy_clean.txt. --recorded keeps clean what has once been: it
-checks the files that have a line there and have changed since, and says how many have none. Exit
-code 1 if a file is not clean.
+of such files, and BUILD/tidy_clean.txt those found clean here; all others are checked, at 12 or so a
+minute. --record writes what is clean now into tools/tidy_clean.txt. Exit code 1 if a file is not
+clean.
 """
 
 import argparse
@@ -18,7 +17,6 @@ import pathlib
 import re
 import subprocess
 import sys
-import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 RECORD = ROOT / "tools/tidy_clean.txt"
@@ -62,11 +60,6 @@ def read_keys(path):
     return {line.split()[0] for line in lines if line and not line.startswith("#")}
 
 
-def recorded_names():
-    lines = RECORD.read_text().splitlines() if RECORD.exists() else []
-    return {line.split()[1] for line in lines if line and not line.startswith("#")}
-
-
 def check(source, build):
     run = subprocess.run(["clang-tidy", "--quiet", "-p", str(build), str(source)],
                          capture_output=True, text=True, check=False)
@@ -79,9 +72,6 @@ def main():
     parser.add_argument("files", nargs="*", help="these only, as git knows them")
     parser.add_argument("-j", "--jobs", type=int, default=2)
     parser.add_argument("--record", action="store_true")
-    parser.add_argument("--recorded", action="store_true")
-    parser.add_argument("--minutes", type=float, default=float("inf"),
-                        help="begin no file later than this; what is left is said")
     options = parser.parse_intermixed_args()
 
     tracked = set(subprocess.run(["git", "ls-files", "*.cpp"], cwd=ROOT, capture_output=True,
@@ -100,25 +90,13 @@ def main():
     clean = read_keys(RECORD) | read_keys(local)
     pending = [name for name, key in keys.items() if key not in clean]
     print(f"clang-tidy: {len(keys)} files, {len(keys) - len(pending)} known to be clean")
-    if options.recorded:
-        never = [name for name in pending if name not in recorded_names()]
-        print(f"clang-tidy: {len(never)} files have never been recorded as clean")
-        pending = [name for name in pending if name not in never]
-        keys = {name: key for name, key in keys.items() if name not in never}
 
-    failed, left = [], []
-    deadline = time.monotonic() + 60 * options.minutes
-
-    def check_in_time(name):
-        return check(ROOT / name, options.build) if time.monotonic() < deadline else (None, "")
-
+    failed = []
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool, local.open("a") as log:
-        runs = {pool.submit(check_in_time, name): name for name in pending}
+        runs = {pool.submit(check, ROOT / name, options.build): name for name in pending}
         for run in concurrent.futures.as_completed(runs):
             code, output = run.result()
-            if code is None:
-                left.append(runs[run])
-            elif code == 0:
+            if code == 0:
                 clean.add(keys[runs[run]])
                 print(keys[runs[run]], file=log, flush=True)
             else:
@@ -127,10 +105,8 @@ def main():
     if options.record and not options.files:
         lines = [f"{key} {name}" for name, key in keys.items() if key in clean]
         RECORD.write_text("# Made by tools/tidy.py --record.\n" + "\n".join(lines) + "\n")
-    if left:
-        print(f"clang-tidy: no time for {len(left)} files, such as {min(left)}; run it again")
     print(f"clang-tidy: {len(failed)} files are not clean" if failed else
-          f"clang-tidy: {len(keys) - len(left)} files are clean")
+          f"clang-tidy: {len(keys)} files are clean")
     return 1 if failed else 0
 
 

@@ -139,9 +139,7 @@ std::vector<StoredRun> runs_of_commit(const Sqlite& database, const std::string&
     if (run.commit == commit) {  // exactly that, even where others begin like it
       if (commits != std::vector{commit}) runs.clear();
       commits = {commit};
-    } else if (!begins && !is_short) {
-      continue;
-    } else if (commits == std::vector{commit}) {
+    } else if ((!begins && !is_short) || commits == std::vector{commit}) {
       continue;
     } else if (std::ranges::find(commits, run.commit) == commits.end()) {
       commits.push_back(run.commit);

@@ -98,11 +98,12 @@ void add_rounding(Image& bound, const Image& values) {
 /// The bounds of a method's values and of the layers that are lit from them.
 class Bounds {
  public:
-  Bounds(const Frame& frame, const MethodInfo& method, const ParameterSet& parameters)
+  Bounds(const Frame& frame, const MethodInfo& method, const ParameterSet& parameters,
+         const CpuLighting& lighting)
       : representation_(*method.representation),
         constants_(pass_constants(parameters)),
         surface_(frame.surface(gbuffer_bits(parameters))),
-        lighting_(frame.lighting, constants_) {}
+        lighting_(lighting) {}
 
   /// Of the passes that collect the values.
   PassValues collected(const PassValues& values) const {
@@ -169,7 +170,7 @@ class Bounds {
   const Representation& representation_;
   PassConstants constants_;
   const GBufferImages& surface_;
-  CpuLighting lighting_;
+  const CpuLighting& lighting_;
 };
 
 }  // namespace
@@ -205,7 +206,8 @@ std::string describe(const WorstPixel& worst) {
 Layers rounding_bounds(const Frame& frame, const MethodInfo& method,
                        const ParameterSet& parameters) {
   const Representation& representation = *method.representation;
-  const Bounds of(frame, method, parameters);
+  const CpuLighting lighting(frame.lighting, pass_constants(parameters));
+  const Bounds of(frame, method, parameters, lighting);
   const PassValues values = collect_on_cpu(frame, parameters, representation);
   const PassValues bound = of.collected(values);
   PassValues filtered = values;

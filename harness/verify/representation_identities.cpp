@@ -70,6 +70,7 @@ VisibilitySource visibility_of(const Frame& frame, const ParameterSet& parameter
 }
 
 /// The images of one frame that all identities share.
+// NOLINTNEXTLINE(clang-analyzer-optin.performance.Padding): members stand in the order of making
 class Identities {
  public:
   Identities(const Frame& frame, const ParameterSet& parameters, const PassConstants& constants,

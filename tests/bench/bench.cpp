@@ -14,7 +14,7 @@ namespace {
 
 void BM_load_gallery(benchmark::State& state) {
   const std::filesystem::path path = gallery().scene().path;
-  for (auto _ : state) benchmark::DoNotOptimize(load_scene(path).triangle_count());
+  for ([[maybe_unused]] auto _ : state) benchmark::DoNotOptimize(load_scene(path).triangle_count());
   state.counters["triangles"] = double(gallery().scene().triangle_count());
 }
 BENCHMARK(BM_load_gallery)->Unit(benchmark::kMillisecond)->UseRealTime();
@@ -43,7 +43,7 @@ void BM_load_500k_triangles(benchmark::State& state) {
   primitive["indices"] = gltf.add_accessor(test::bytes_of(indices), 5125, "SCALAR", indices.size());
   const TemporaryFolder folder;
   const std::filesystem::path path = gltf.write(folder / "grid.glb");
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     const Scene scene = load_scene(path);
     state.counters["triangles"] = double(scene.triangle_count());
   }
@@ -52,7 +52,7 @@ BENCHMARK(BM_load_500k_triangles)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 void BM_prefilter_cones(benchmark::State& state) {
   const Environment& environment = gallery().frame().lighting.environment();
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     benchmark::DoNotOptimize(prefilter_cones(environment, cone_levels, cone_level_width));
   }
 }
@@ -60,7 +60,8 @@ BENCHMARK(BM_prefilter_cones)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 void BM_project_sh(benchmark::State& state) {
   const Environment& environment = gallery().frame().lighting.environment();
-  for (auto _ : state) benchmark::DoNotOptimize(project_sh(environment, glm::mat3(1.0f)));
+  for ([[maybe_unused]] auto _ : state)
+    benchmark::DoNotOptimize(project_sh(environment, glm::mat3(1.0f)));
 }
 BENCHMARK(BM_project_sh)->Unit(benchmark::kMillisecond)->UseRealTime();
 
@@ -76,7 +77,7 @@ void BM_metrics_1280x720(benchmark::State& state) {
   const Image test = noise(3);
   const Image occlusion = noise(1);
   const Image mask(1280, 720, 1, 1.0f);
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     benchmark::DoNotOptimize(measure(
         {.reference = reference, .test = test, .mask = mask, .reference_occlusion = &occlusion}));
   }

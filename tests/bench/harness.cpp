@@ -32,7 +32,7 @@ const StoredExample& example() {
 void BM_cell_store_write(benchmark::State& state) {
   const StoredExample& cell = example();
   std::optional<TemporaryFolder> folder;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     state.PauseTiming();
     folder.emplace();
     CellStore store(*folder / "results");
@@ -48,7 +48,7 @@ void BM_cell_store_read(benchmark::State& state) {
   const TemporaryFolder folder;
   CellStore store(folder / "results");
   store.write(cell.key, cell.layers, {});
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     const ReadCell read = store.read(cell.key);
     if (!read.cell) state.SkipWithError(read.warning.c_str());
   }

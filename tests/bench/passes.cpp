@@ -20,7 +20,7 @@ void time_pass_of(benchmark::State& state, const std::string& name, const Parame
     const PassTime time = time_pass(Clock::wall, run);
     if (running == pass) seconds = 1e-3 * time.wall_ms;
   };
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     method->render(frame, parameters);
     state.SetIterationTime(seconds);
   }

@@ -82,7 +82,7 @@ void profile_pass(benchmark::State& state, const char* name, const Variant& vari
   Program::bind_uniform_buffer(0, buffer);
   target.bind();
   time_pass(Clock::wall, draw_fullscreen);  // compiles
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     state.SetIterationTime(1e-3 * time_pass(Clock::wall, draw_fullscreen).wall_ms);
   }
 }

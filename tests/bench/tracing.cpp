@@ -29,7 +29,7 @@ void trace(benchmark::State& state, Estimator estimator) {
   const TracedScene& traced = frame.traced();
   const SurfacePoints points = surface_points();
   std::uint64_t rays = 0;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     const Reference reference = trace_reference(
         traced, frame.lighting.environment(), {}, frame.view, points,
         {.rays_per_pixel = state.range(0), .estimator = estimator, .d_max_world = d_max_world});
@@ -156,7 +156,7 @@ std::uint64_t count_blocked(const TracedScene& traced, const std::vector<RTCRay>
 void trace_bare(benchmark::State& state, const RayRows& rows) {
   const TracedScene& traced = gallery().frame().traced();
   std::uint64_t rays = 0;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     std::atomic<std::uint64_t> blocked{0};
     parallel_for(rows.size(),
                  [&](std::size_t row) { blocked += count_blocked(traced, rows[row]); });
@@ -202,7 +202,7 @@ void BM_bare_rtcOccluded1_and_rays(benchmark::State& state) {
   const TracedScene& traced = gallery().frame().traced();
   const SurfacePoints points = surface_points();
   std::atomic<std::uint64_t> rays{0};
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     std::atomic<std::uint64_t> blocked{0};
     parallel_for(height, [&](std::size_t y) {
       const std::vector<RTCRay> row = naive_row(points, int(y), cosine_direction);
@@ -238,7 +238,7 @@ void converge(benchmark::State& state, std::span<const char* const> names, bool 
   const std::array<DirectionSums, 2> halves = {{{samples[0], sums[0]}, {samples[1], sums[1]}}};
   const auto pixels = double(std::ranges::count(surface.mask.values(), 1.0f));
   double rays = 0.0;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     add_directions(pass, halves, TurnPattern::tiles, representations);
     rays += pixels * double(state.range(0));
   }

@@ -59,7 +59,7 @@ TEST(Reach, WhatIsOffTheScreenIsVisible) {
   for (int y = 0; y < 20; ++y) {
     for (int x = 0; x < 32; ++x) {
       const glm::vec3 p(pixel3(frame.surface().position_view, x, y));
-      const glm::vec4 turn = set.sets[std::size_t((x & 3) + 4 * (y & 3))];
+      const glm::vec4 turn = set.sets[std::size_t(x & 3) + 4 * std::size_t(y & 3)];
       const glm::mat3 tangent = tangent_frame(glm::vec3(pixel3(frame.surface().normal_view, x, y)));
       int outside = 0;
       for (const glm::vec4& s : set.directions) {

@@ -92,7 +92,7 @@ TEST(PowerSpectrum, IsTheSumWrittenOut) {
         std::complex<double> amplitude = 0.0;
         for (int y = 0; y < height; ++y) {
           for (int x = 0; x < width; ++x) {
-            amplitude += double(field[std::size_t(y * width + x)]) *
+            amplitude += double(field[std::size_t(y) * std::size_t(width) + std::size_t(x)]) *
                          std::polar(1.0, -tau * (double(u * x) / width + double(v * y) / height));
           }
         }
@@ -159,7 +159,8 @@ TEST(NoiseSpectrum, ItsMeanIsTheNoise) {
     for (float& value : field) value += 2.0f;  // what all runs share is no noise
     runs.add(image_of(field, width, height));
   }
-  const Image reference = image_of(std::vector<float>(width * height, 4.0f), width, height);
+  const Image reference =
+      image_of(std::vector<float>(std::size_t(width) * std::size_t(height), 4.0f), width, height);
   const NoiseBias noise = noise_and_bias(runs, reference);
   const NoiseSpectrum spectrum = noise_spectrum(runs, noise.mean_luminance);
   double sum = 0.0;
@@ -193,7 +194,8 @@ TEST(NoiseSpectrum, SaysWhyThereIsNone) {
 TEST(NoiseSpectrum, IntervalsCover) {
   constexpr int size = 24;
   std::mt19937_64 random(6);
-  const Image mask = image_of(std::vector<float>(size * size, 1.0f), size, size);
+  const Image mask =
+      image_of(std::vector<float>(std::size_t(size) * std::size_t(size), 1.0f), size, size);
   long inside = 0;
   long trials = 0;
   long inside_few = 0;

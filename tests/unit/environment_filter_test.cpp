@@ -65,9 +65,12 @@ TEST(GaussianPrefilterShape, ADeltaLightBecomesTheGaussian) {
     ASSERT_EQ(filtered.width(), 360);  // 4 pi / sigma = 180 rows
     // Peak of a normalised Gaussian on the sphere: 1 / (2 pi sigma^2 (1 - sigma^2/6 ...)).
     double integral = 0.0;
-    for (double angle = 0.5e-4; angle < 5.0 * sigma; angle += 1e-4) {
+    constexpr int parts = 4000;
+    constexpr double width = 5.0 * sigma / parts;
+    for (int i = 0; i < parts; ++i) {
+      const double angle = (i + 0.5) * width;
       integral +=
-          2.0 * pi_d * std::sin(angle) * std::exp(-angle * angle / (2.0 * sigma * sigma)) * 1e-4;
+          2.0 * pi_d * std::sin(angle) * std::exp(-angle * angle / (2.0 * sigma * sigma)) * width;
     }
     const double peak = power / integral;
     // Averaging to 1-degree texels first moves the light by up to 0.7 degrees and widens it.

@@ -244,7 +244,7 @@ TEST(Sampler, SamplesFollowTheDensity) {
     return std::size_t(row * columns + std::min(int(turn * columns), columns - 1));
   };
   // Expected shares: the density on a fine grid.
-  std::vector<double> share(rows * columns);
+  std::vector<double> share(std::size_t(rows) * std::size_t(columns));
   constexpr int fine = 1024;
   for (int j = 0; j < fine; ++j) {
     const double z = -1.0 + 2.0 * (j + 0.5) / fine;

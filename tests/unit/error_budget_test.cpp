@@ -180,8 +180,8 @@ TEST_F(MeasureBudgetTest, TheFloorIsTheNoiseOfAllThreeConvergedImages) {
   // The reference's variance is 1e-4 everywhere: .01 in radiance, so much in mean luminances.
   double luminance = 0.0;
   const Image& r = reference_.at("radiance");
-  for (int i = 0; i < width * (height - 1); ++i) {
-    const auto rgb = r.values().subspan(std::size_t(3 * i), 3);
+  for (std::size_t i = 0; i < std::size_t(width) * std::size_t(height - 1); ++i) {
+    const auto rgb = r.values().subspan(3 * i, 3);
     luminance += 0.2126 * double(rgb[0]) + 0.7152 * double(rgb[1]) + 0.0722 * double(rgb[2]);
   }
   const double reference = 0.01 / (luminance / (width * (height - 1)));

@@ -299,7 +299,7 @@ TEST(ErrorFigure, RefusesWhatDoesNotFit) {
   figure.mask = Image(8, 4, 1, 1.0f);
   EXPECT_THROW(error_figure(figure), InputError);
   figure.panels = {{"A", frame_colour(0), Image(8, 4, 1)}, {"B", frame_colour(1), Image(4, 8, 1)}};
-  EXPECT_NE(input_error([&] { error_figure(figure); }).find("B"), std::string::npos);
+  EXPECT_NE(input_error([&] { error_figure(figure); }).find('B'), std::string::npos);
   figure.panels[1].error = Image(8, 4, 1);
   EXPECT_NO_THROW(error_figure(figure));
   figure.scale = 0.0;

@@ -115,7 +115,7 @@ TEST(SampleSet, RingsAreOfOneHeightAndEvenInAzimuth) {
       next += ring.count;
       const glm::dvec4 first(set.directions[std::size_t(ring.first)]);
       for (int k = 0; k < ring.count; ++k) {
-        const glm::dvec4 s(set.directions[std::size_t(ring.first + k)]);
+        const glm::dvec4 s(set.directions[std::size_t(ring.first) + std::size_t(k)]);
         EXPECT_EQ(s.z, first.z);
         const double apart = turn_of(s.y, s.x) - turn_of(first.y, first.x);
         EXPECT_NEAR(apart - std::floor(apart + 1e-4), double(k) / ring.count, 1e-6);
@@ -133,7 +133,7 @@ TEST(SampleSet, NoTurnRepeatsAnother) {
     std::vector<double> azimuths;
     for (const glm::vec4& turn : set.sets) {
       for (int k = 0; k < ring.count; ++k) {
-        const glm::dvec4 s(set.directions[std::size_t(ring.first + k)]);
+        const glm::dvec4 s(set.directions[std::size_t(ring.first) + std::size_t(k)]);
         const glm::dvec4 t(turn);
         azimuths.push_back(turn_of(t.y * s.x + t.x * s.y, t.x * s.x - t.y * s.y));
       }

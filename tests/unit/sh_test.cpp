@@ -220,7 +220,7 @@ TEST(ProjectSh, IrradianceDoesNotDependOnTheSpace) {
   environment.texels.at(40, 30, 0) = 5000.0f;  // a sun, so that all bands count
   const ShRgb world = project_sh(environment, glm::mat3(1.0f));
   const std::vector<glm::vec3> axes = random_directions(2, 6);
-  const glm::vec3 x = axes[0];
+  const glm::vec3& x = axes[0];
   const glm::vec3 y = glm::normalize(axes[1] - glm::dot(axes[1], x) * x);
   const glm::mat3 world_from_space(x, y, glm::cross(x, y));
   const ShRgb space = project_sh(environment, world_from_space);

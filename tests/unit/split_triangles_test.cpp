@@ -60,7 +60,7 @@ TEST(SplitTriangles, SameSurfacesMoreTriangles) {
       EXPECT_EQ(after.normals.size(), after.positions.size());
       EXPECT_EQ(after.uvs.size(), before.uvs.empty() ? 0 : after.positions.size());
       EXPECT_EQ(after.material, before.material);
-      const std::size_t each = std::size_t(parts * parts);
+      const auto each = std::size_t(parts) * std::size_t(parts);
       for (std::size_t t = 0; t < after.indices.size() / 3; ++t) {
         EXPECT_GT(glm::dot(normal_of(after, t), normal_of(before, t / each)), 0.9999)
             << "the same side is outside";

@@ -14,8 +14,6 @@
 
 #include "renderers/scene/error.h"
 
-extern char** environ;
-
 namespace occlab {
 namespace {
 
@@ -149,7 +147,7 @@ TEST_F(StoreTest, DamagedCellsAreMovedAsideAndMissing) {
       {"cell.json is not JSON",
        [](const fs::path& cell) { fs::resize_file(cell / "cell.json", 40); }},
       {"cell.json is not JSON",
-       [](const fs::path& cell) { std::ofstream(cell / "cell.json") << "\0\0\0"; }},
+       [](const fs::path& cell) { std::ofstream(cell / "cell.json") << std::string(3, '\0'); }},
       {"cell.json is incomplete",
        [](const fs::path& cell) { std::ofstream(cell / "cell.json") << "{\"facts\": []}"; }}};
   int number = 0;
@@ -349,15 +347,16 @@ TEST_F(StoreTest, LeftOversOfLivingYoungOrForeignWritersStay) {
     std::ofstream(path / "layers.exr") << "half";
     return path;
   };
+  const auto open_again = [&](std::chrono::seconds age) { const CellStore again(folder_, age); };
   const fs::path living = left_over(host, process);
   const fs::path foreign = left_over(std::string(host) + "x", process);
-  CellStore(folder_, 0s);
+  open_again(0s);
   EXPECT_TRUE(fs::exists(living));
   kill(process, SIGKILL);
   waitpid(process, nullptr, 0);
-  CellStore(folder_, 60s);
+  open_again(60s);
   EXPECT_TRUE(fs::exists(living)) << "too young";
-  CellStore(folder_, 0s);
+  open_again(0s);
   EXPECT_FALSE(fs::exists(living));
   EXPECT_TRUE(fs::exists(foreign));
 }
