@@ -17,8 +17,10 @@ import zlib
 sys.dont_write_bytecode = True
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 OCCLAB = pathlib.Path(os.environ.get("OCCLAB", ROOT / "build/release/occlab")).resolve()
-# What a sanitizer's own library does not bear: another one before it, and a process without files.
-not_sanitized = unittest.skipIf(os.environ.get("OCCLAB_SANITIZE"), "not with a sanitizer")
+# What a sanitizer's own library does not bear: another one before it, a process without files, and a
+# look at its memory, of which it keeps what was given back.
+SANITIZED = bool(os.environ.get("OCCLAB_SANITIZE"))
+not_sanitized = unittest.skipIf(SANITIZED, "not with a sanitizer")
 sys.path.insert(0, str(ROOT / "scenes"))
 import exr  # noqa: E402
 import glb  # noqa: E402
@@ -54,10 +56,11 @@ scale = 0.5
 
 
 def occlab(*arguments, timeout=120, cwd=None, env=None, **settings):
-    """Runs occlab; `env` is added to the environment."""
+    """Runs occlab; `env` is added to the environment. With a sanitizer it may take longer."""
     return subprocess.run(
-        [OCCLAB, *map(str, arguments)], capture_output=True, text=True, timeout=timeout, cwd=cwd,
-        check=False, env={**os.environ, **(env or {})}, **settings)
+        [OCCLAB, *map(str, arguments)], capture_output=True, text=True, cwd=cwd,
+        timeout=timeout * (5 if SANITIZED else 1), check=False,
+        env={**os.environ, **(env or {})}, **settings)
 
 
 def snapshot(folder):

@@ -11,7 +11,8 @@ import statistics
 import subprocess
 import time
 
-from support import OCCLAB, SMALL_EXPERIMENT, CliTest, exr_pixels, measured, read_csv, snapshot
+from support import (OCCLAB, SMALL_EXPERIMENT, CliTest, exr_pixels, measured, not_sanitized,
+                     read_csv, snapshot)
 
 SWEEP = """\
 format = 1
@@ -223,6 +224,7 @@ class Sweep(CliTest):
             "SELECT count(*) FROM rows").fetchone()[0], len(read_csv(table)))
 
 
+@not_sanitized
 class Memory(CliTest):
     def quarters(self, *arguments, until):
         """Mean resident pages in the second and the last quarter of a run."""
